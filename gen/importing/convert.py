@@ -124,13 +124,9 @@ def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     moved = int((np.diff(rows) < 0).sum())
     if not moved:
         return Evidence([table])
-    columns = [
-        replace(column, cells=[column.cells[i] for i in rows] if isinstance(column.cells, list) else column.cells[rows])
-        for column in table.columns
-    ]
     first = table.place(int(np.argmax(np.diff(rows) < 0)) + 1)
     counted = (*table.counted, Counted("place at which rows were put in the order of their times", moved, first))
-    return Evidence([replace(table, columns=columns, places=table.places[rows], counted=counted)])
+    return Evidence([replace(table.of_rows(rows), counted=counted)])
 
 
 def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> FloatArray:

@@ -116,7 +116,8 @@ def plan(files: Sequence[Path], choices: Choices, mapping: Path | None, progress
         progress("a column for each name")
         tables = [spread_out(table, replace(choices, series=series)) for table in tables]
     names = {choices.runs, known.runs if known is not None else ""}
-    tables = [switched(table, names) for table in tables]
+    drive = known.input.column if known is not None else choices.drive
+    tables = [switched(table, names, drive) for table in tables]
     progress("deciding")
     tables = logs_among(tables, choices, known)
     groups: dict[tuple[str, ...], list[Table]] = {}

@@ -1,11 +1,13 @@
-"""Columns of a switch, a relay or a thermostat: ON and OFF, in words, are 1 and 0."""
+"""Columns of a switch, a relay or a thermostat: ON and OFF, in words, are 1 and 0; and of states, as an input."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from gen.importing.guessing.names import SIGN
+from gen.importing.listing import listed
 from gen.importing.numbers import NAN_WORDS
 from gen.importing.table import Column, Counted, Table
 
@@ -35,6 +37,18 @@ _WAYS = (
     ("vorwärts", "rückwärts"),
 )
 """Which way a motor turns: the first one is that of a positive input."""
+_ACTIVE = (
+    "on heat heats heating run runs running active energized energised ein an heizen heizt heizung läuft betrieb aktiv "
+    "marche chauffe chauffage acceso riscalda encendido calienta ligado aan verwarmen"
+)
+_RESTING = (
+    "off idle cool cools cooling stop stopped stops standby stand-by wait waiting waits rest rests resting pause "
+    "paused inactive finished ended aus kühlen kühlt kühlung steht stillstand halt warten inaktiv arrêt repos attente "
+    "refroidit spento fermo attesa apagado parado espera desligado uit koelen"
+)
+"""What says that something is given power, and that it is not. A fault, a hold and what is ready say neither."""
+_BETWEEN = re.compile(r"[\s_:=]+")
+_MOST_STATES = 8
 NOTHING = NAN_WORDS | {"", "unavailable", "unknown"}
 _SAMPLE = 50
 """Cells whose other texts rule all words out."""
@@ -48,7 +62,45 @@ def numbers_of(cells: Sequence[str]) -> list[str] | None:
     cells
         Texts.
     """
-    return _either(cells, _WORDS, "0")
+    return _either(cells, _WORDS, "0") or _either(_ends(cells), _WORDS, "0")
+
+
+def active_state(cells: Sequence[str]) -> tuple[str, list[str]] | None:
+    """The only state of a few in which something is given power, and the others; None where that is not plain.
+
+    Parameters
+    ----------
+    cells
+        Texts: ``HEATING``, ``COOLING``, ``IDLE``.
+    """
+    said = _few(cells)
+    words = dict(zip(said, _ends(said), strict=True))
+    active = [state for state, word in words.items() if word.casefold() in _ACTIVE.split()]
+    others = [state for state, word in words.items() if word.casefold() in _RESTING.split()]
+    if len(active) != 1 or not others or len(others) + 1 < len(said):
+        return None
+    return active[0], others
+
+
+def _few(cells: Sequence[str]) -> list[str]:
+    """The few different texts of a column, in order; nothing where there are many."""
+    if len(set(cells[:_SAMPLE])) > _MOST_STATES:
+        return []
+    said = [text for text in dict.fromkeys(map(str.strip, cells)) if text.casefold() not in NOTHING]
+    return said if len(said) <= _MOST_STATES else []
+
+
+def _ends(cells: Sequence[str]) -> list[str]:
+    """Cells without the words that all of them begin with: ``heater on``, ``heater off``; as they are where many."""
+    said = _few(cells)
+    paths = [_BETWEEN.split(text) for text in said]
+    shared = 0
+    while len(paths) > 1 and all(len(path) > shared + 1 and path[shared] == paths[0][shared] for path in paths):
+        shared += 1
+    if not shared:
+        return list(cells)
+    ends = {text: " ".join(path[shared:]) for text, path in zip(said, paths, strict=True)}
+    return [ends.get(cell.strip(), cell) for cell in cells]
 
 
 def _either(cells: Sequence[str], words: Sequence[tuple[str, str]], other: str) -> list[str] | None:
@@ -64,7 +116,7 @@ def _either(cells: Sequence[str], words: Sequence[tuple[str, str]], other: str) 
     return None
 
 
-def switched(table: Table, but: Collection[str] = ()) -> Table:
+def switched(table: Table, but: Collection[str] = (), drive: str = "") -> Table:
     """Give a table whose columns of on and off hold 1 and 0, and those of directions 1 and -1, which is counted.
 
     Parameters
@@ -73,12 +125,18 @@ def switched(table: Table, but: Collection[str] = ()) -> Table:
         As it was read.
     but
         Columns to leave alone.
+    drive
+        The column that was said to be the input, which may hold states.
     """
     counted, columns = list(table.counted), []
     for column in table.columns:
         words = column.cells if isinstance(column.cells, list) and column.name not in but else []
         found = numbers_of(words) if words else None
         what = f"on or off of {column.name}, taken for 1 or 0"
+        states = active_state(words) if words and found is None and column.name == drive else None
+        if states is not None:
+            found = ["1" if cell.strip() == states[0] else "0" if cell.strip() in states[1] else "" for cell in words]
+            what = f"state of {column.name}: {states[0]} taken for 1, {listed(states[1])} for 0"
         if words and found is None and SIGN.search(column.name):
             found = _either(words, _WAYS, "-1")
             what = f"direction of {column.name}, taken for 1 or -1"

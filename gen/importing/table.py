@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +138,14 @@ class Table:
         """The column of that name."""
         return next(column for column in self.columns if column.name == name)
 
+    def of_rows(self, rows: IntArray) -> Table:
+        """A table of some of the rows, or of all in another order."""
+        columns = [
+            replace(c, cells=[c.cells[i] for i in rows] if isinstance(c.cells, list) else c.cells[rows])
+            for c in self.columns
+        ]
+        return replace(self, columns=columns, places=self.places[rows])
+
     def place(self, row: int, column: str = "") -> str:
         """Where a row, or a cell of it, stands in the file."""
         where = f"{self.word} {self.places[row]}"
@@ -165,3 +173,18 @@ def unique_names(names: Sequence[str]) -> list[str]:
             seen[name] += shown in given or shown in made
         made.append(shown)
     return made
+
+
+def texts_of(column: Column) -> list[str]:
+    """Give a column's cells as texts, empty where nothing is.
+
+    Parameters
+    ----------
+    column
+        Of texts, numbers or instants.
+    """
+    if isinstance(column.cells, list):
+        return [cell.strip() for cell in column.cells]
+    if column.cells.dtype.kind == "M":
+        return ["" if np.isnat(cell) else str(cell.astype("datetime64[ns]")) for cell in column.cells]
+    return ["" if not np.isfinite(value) else repr(float(value)) for value in column.cells.astype(np.float64)]

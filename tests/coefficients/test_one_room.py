@@ -25,6 +25,8 @@ OTHER_FORMATS = {
     # answers of Prometheus' API, of InfluxDB's, of Grafana's
     "importing/reading/tagged/prometheus.py": {"data", "value"},
     "importing/reading/tagged/signals.py": {"data", "name", "unit"},
+    # Telegraf's records
+    "importing/reading/tagged/tagged_records.py": {"name"},
     # the JSON summary of `gen refine` (and, of the Python interface, that of `gen identify`)
     "commands/refine.py": {"name", "component", "parameters", "evidence"},
     "interface/identification.py": {"components", "order", "value", "network"},

@@ -275,3 +275,17 @@ def test_a_switch_is_1_or_0(tmp_path: Path) -> None:
     found = take(log, tmp_path / "out", series="entity_id", input="switch.motor", full_scale=1.0)
     assert found.counted()["count"]["on or off of switch.motor, taken for 1 or 0"] == ROWS - 1
     assert read_run(found.runs[0]).pwm.tolist() == [255] * 80 + [0] * 40
+
+
+def test_a_sensor_whose_unit_changes_is_read_in_each(tmp_path: Path) -> None:
+    """Somebody set it to another scale on the way: each row says its own, in the words of its logger."""
+    lines = ["time,sensor,value,unit"]
+    for i, at in enumerate(times()):
+        told = (f"{TEMPERATURE[i]:.2f},C", f"{TEMPERATURE[i] * 1.8 + 32:.2f},F", "unavailable,F")
+        lines.append(f"{at},winding,{told[0 if i < 40 else 2 if i == 50 else 1]}")
+        lines.append(f"{at},duty,{DUTY[i]},%")
+    found = take(write(tmp_path, "\n".join(lines)), tmp_path / "out", series="sensor")
+    run = read_run(found.runs[0])
+    np.testing.assert_allclose(run.temps["winding"], np.where(np.arange(ROWS) == 50, np.nan, TEMPERATURE), atol=1e-9)
+    np.testing.assert_array_equal(run.pwm, np.round(DUTY * 2.55))
+    assert found.counted()["count"]["number in another unit, made degC"] == 19

@@ -68,6 +68,41 @@ def test_other_words_stay_words(tmp_path: Path) -> None:
         take(path, tmp_path / "out", input="Heater")
 
 
+@pytest.mark.parametrize(
+    "words", [("heater on", "heater off"), ("HEATER_ON", "HEATER_OFF"), ("Heizung: ein", "Heizung: aus")]
+)
+def test_what_stands_before_on_and_off_alike_says_nothing(words: tuple[str, str], tmp_path: Path) -> None:
+    path = write(tmp_path, log(words, "state"))
+    with pytest.raises(InputError, match=r"expected --input state, or --input COLUMN"):
+        take(path, tmp_path / "out")
+    found = take(path, tmp_path / "out", input="state")
+    assert read_run(found.runs[0]).pwm.tolist() == np.where(HEATED, 255, 0).tolist()
+
+
+@pytest.mark.parametrize("words", [("HEATING", "IDLE", "COOLING"), ("motor runs", "motor stopped", "motor waits")])
+def test_a_state_that_says_so_is_on_and_the_others_are_off(words: tuple[str, str, str], tmp_path: Path) -> None:
+    """Where that is asked for; the mapping says it of further logs."""
+    path = write(tmp_path, log(words[:2], "state").replace(words[1], words[2]).replace(words[2], words[1], 7))
+    with pytest.raises(InputError, match=rf"expected --input state \(on: {words[0]}; off: {words[1]}, {words[2]}\)"):
+        take(path, tmp_path / "out")
+    mapping = tmp_path / "map.toml"
+    found = take(path, tmp_path / "out", input="state", mapping=mapping)
+    assert read_run(found.runs[0]).pwm.tolist() == np.where(HEATED, 255, 0).tolist()
+    assert any(what.startswith(f"state of state: {words[0]} taken for 1, ") for what in found.counted().index)
+    assert take(path, tmp_path / "again", mapping=mapping).runs[0].read_bytes() == found.runs[0].read_bytes()
+
+
+@pytest.mark.parametrize(
+    "words", [("HEATING", "HOLDING"), ("HEATING", "RUNNING"), ("HEATING", "FAULT"), ("phase 1", "phase 2")]
+)
+def test_states_that_do_not_say_it_stay_words(words: tuple[str, str], tmp_path: Path) -> None:
+    path = write(tmp_path, log(words, "state"))
+    with pytest.raises(InputError, match=r"no column is a motor's PWM among Plate"):
+        take(path, tmp_path / "out")
+    with pytest.raises(InputError, match="holds text, expected numbers"):
+        take(path, tmp_path / "out", input="state")
+
+
 def test_a_log_without_names_is_asked_of_input_and_parts_at_once(tmp_path: Path) -> None:
     rows = [f"{5 * k},{t:.2f},{120 if on else 0}" for k, (t, on) in enumerate(zip(TEMPERATURE, HEATED, strict=True))]
     with pytest.raises(InputError) as caught:

@@ -14,6 +14,7 @@ from gen.importing.guessing.guess_columns import decide_columns
 from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.names import RISE, RUNS
+from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.series_columns import names_and_values
 from gen.importing.guessing.suspicious import suspicious
 from gen.importing.guessing.times.guess_time import decide_time
@@ -124,6 +125,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
     guesses += said
+    _check_mixed(evidence, entries, {*choices.columns, runs})
     turns = None if choices.duplicates else extremes_by_turns(evidence, time.columns)
     guesses += [turns] if turns else []
     form = evidence.tables[0].reading
@@ -161,13 +163,28 @@ def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
     found = names_and_values(evidence, told)
     if found is not None:
         name, said = found
-        names = sorted(set(evidence.facts[name].texts))
-        shown = ", ".join(names[:_MOST_NAMES]) + (" .." if len(names) > _MOST_NAMES else "")
         raise InputError(
-            f"has a row for each of {shown}; expected --series {quoted(said)}, which gives each a column of its own, "
+            f"{_row_for_each(evidence, name)}; expected --series {quoted(said)}, which gives each a column of its own, "
             f"or --column {quoted(f'{name}=')} where it is none",
             place=f"column {name}",
         )
+
+
+def _check_mixed(evidence: Evidence, entries: Sequence[Entry], told: Collection[str]) -> None:
+    """Refuse a temperature that holds the readings of several sensors, which a column of names tells apart."""
+    found = mixed(evidence, entries, told)
+    if found is not None:
+        name, column, said = found
+        raise InputError(
+            f"{_row_for_each(evidence, name)}, between which {column} goes to and fro; expected --series "
+            f"{quoted(said)}, which gives each columns of its own, or --column {quoted(f'{name}=')} where it is none",
+            place=f"column {name}",
+        )
+
+
+def _row_for_each(evidence: Evidence, name: str) -> str:
+    names = sorted(set(evidence.facts[name].texts))
+    return f"has a row for each of {', '.join(names[:_MOST_NAMES])}{' ..' if len(names) > _MOST_NAMES else ''}"
 
 
 def _by_old_names(evidence: Evidence, choices: Choices) -> Choices:

@@ -14,6 +14,7 @@ from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, P
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
+from gen.importing.switches import active_state
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
 
@@ -112,7 +113,7 @@ def _column(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[F
         if found:
             _check_alone((exact or found)[0], numbers)
             return (exact or found)[0], confidence, "by its name"
-    raise InputError(_none(numbers), place=evidence.tables[0].place(0))
+    raise InputError(_none(numbers, evidence), place=evidence.tables[0].place(0))
 
 
 def _check_alone(entry: Facts, numbers: list[Facts]) -> None:
@@ -139,17 +140,25 @@ def _as_option(entry: Facts) -> str:
     return f"--input {quoted(entry.name)}{_full_scale(entry)}"
 
 
-def _none(numbers: list[Facts]) -> str:
+def _none(numbers: list[Facts], evidence: Evidence) -> str:
     drives = _drives(numbers)
     said = NO_INPUT
     options = list(map(_as_option, drives[:_MOST_OPTIONS]))
     if options:
-        return f"{said}; expected what drives it, such as {' or '.join(options)}"
+        return f"{said}; expected what drives it, such as {' or '.join(options + _states(evidence))}"
     if not numbers:
         return f"{said}, and none holds numbers; expected a table"
     names = listed(f"{entry.name} ({spanned(entry)})" for entry in numbers)
-    wanted = "--input COLUMN --full-scale X, or --input COUNTS for what all rows have"
+    switches = [f"--input {quoted(entry.name)}" for entry in numbers if _switch(entry)] + _states(evidence)
+    wanted = ", or ".join([*switches[:4], "--input COLUMN --full-scale X", "--input COUNTS for what all rows have"])
     return f"{said} among {names}; expected {wanted}"
+
+
+def _states(evidence: Evidence) -> list[str]:
+    """Columns of words of which one says that something is given power, and the others that it is not."""
+    texts = [entry for entry in evidence.facts.values() if entry.kind == "text"]
+    found = [(entry.name, active_state(entry.texts)) for entry in texts]
+    return [f"--input {quoted(name)} (on: {states[0]}; off: {listed(states[1])})" for name, states in found if states]
 
 
 def _worded(entry: Facts) -> str:

@@ -9,8 +9,7 @@ import numpy as np
 from gen.importing import clock
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.names import TIME
-from gen.importing.guessing.series import texts_of
-from gen.importing.table import Column, Counted, FloatArray, Table
+from gen.importing.table import Column, Counted, FloatArray, Table, texts_of
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name, unit_of
 

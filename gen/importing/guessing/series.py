@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +10,13 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guesses import Choices
-from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, unit_column, value_column
+from gen.importing.guessing.series_columns import MOST_SERIES, is_plain_value, is_shared, unit_column, value_column
+from gen.importing.guessing.series_fields import fields_of, telling
 from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.listing import listed
-from gen.importing.table import Column, Counted, Table
+from gen.importing.numbers import plain_number
+from gen.importing.table import Column, Counted, Table, texts_of, unique_names
+from gen.importing.units import unit_of
 
 _LEAST_TOGETHER = 1.5
 """Readings of each time, from which on what is the same beside all of them is of the time."""
@@ -29,7 +32,7 @@ def spread_out(table: Table, choices: Choices) -> Table:
     table
         As it was read.
     choices
-        `series` is the column of names, or with a comma that of names and that of values.
+        `series` is the column of names, or with commas that of names and those of values.
 
     Raises
     ------
@@ -38,42 +41,77 @@ def spread_out(table: Table, choices: Choices) -> Table:
     """
     try:
         names, values = _columns(table, choices.series)
-        rest = [column for column in table.columns if column.name not in (names, values)]
-        form, _ = decide_time(Evidence([replace(table, columns=rest)]), choices)
-        if not form.columns:
-            raise InputError("rows of one time cannot be told without a column of times", place="--time")
-        return _spread(table, names, values, form.columns)
+        table, times = _timed(table, names, values, choices)
+        return _spread(table, names, values, times)
     except InputError as error:
         raise InputError(error.message, file=table.label, place=error.place) from None
 
 
-def _columns(table: Table, said: str) -> tuple[str, str]:
-    """The column of names, and that of values."""
+def _timed(table: Table, names: str, values: Sequence[str], choices: Choices) -> tuple[Table, Sequence[str]]:
+    """A table in which times go on, and the columns that tell them: each sensor's do, though not from row to row."""
+    rest = [column.name for column in table.columns if column.name not in (names, *values)]
+    try:
+        form, _ = decide_time(Evidence([_of_columns(table, rest)]), choices)
+    except InputError as error:
+        by_names = np.argsort(np.array(texts_of(table.column(names))), kind="stable")
+        try:
+            form, _ = decide_time(Evidence([_of_columns(table.of_rows(by_names), rest)]), choices)
+        except InputError:
+            raise error from None
+        table = _in_order(table, form.columns)
+    if not form.columns:
+        raise InputError("rows of one time cannot be told without a column of times", place="--time")
+    return table, form.columns
+
+
+def _in_order(table: Table, times: Sequence[str]) -> Table:
+    """Rows in the order of a time that is counted; others are put into it later."""
+    facts = Evidence([_of_columns(table, times)]).facts
+    if len(times) != 1 or facts[times[0]].kind != "number":
+        return table
+    rows = np.argsort(facts[times[0]].parsed[0].values, kind="stable")
+    moved = np.flatnonzero(np.diff(rows) < 0)
+    if not moved.size:
+        return table
+    counted = Counted("place at which rows were put in the order of their times", moved.size, table.place(moved[0] + 1))
+    return replace(table.of_rows(rows), counted=(*table.counted, counted))
+
+
+def _of_columns(table: Table, names: Collection[str]) -> Table:
+    return replace(table, columns=[column for column in table.columns if column.name in names])
+
+
+def _columns(table: Table, said: str) -> tuple[str, list[str]]:
+    """The column of names, and those of values."""
     parts = [said] if said in table.names else [part.strip() for part in said.split(",")]
     for name in parts:
         if name not in table.names:
             raise InputError(f'found "{name}", expected one of the columns {listed(table.names)}', place="--series")
-    if len(parts) == 2:
-        return parts[0], parts[1]
+    if len(parts) > 1:
+        return parts[0], parts[1:]
     others = [column for column in table.columns if column.name != parts[0]]
     values = value_column(Evidence([replace(table, columns=others)]))
-    if len(parts) != 1 or not values:
+    if not values:
         raise InputError(
             f"which column holds the values nobody knows; expected --series {parts[0]},COLUMN", place="--series"
         )
-    return parts[0], values
+    return parts[0], [values]
 
 
 def _of_all(table: Table, but: Collection[str], row_of: Sequence[int], count: int) -> list[Column]:
-    """Columns of numbers that say the same beside all readings of a time: an input, of which each row has one."""
-    if len(row_of) < _LEAST_TOGETHER * count:
-        return []
+    """Columns of numbers that say the same beside all readings of a time: an input, of which each row has one.
+
+    Where readings have times of their own, what stands beside all and mostly stays as in the row before.
+    """
+    together = len(row_of) >= _LEAST_TOGETHER * count
     others = [column for column in table.columns if column.name not in but]
     facts = Evidence([replace(table, columns=others)]).facts if others else {}
     made = []
     for column in others:
         entry = facts[column.name]
         if entry.kind != "number" or len(set(entry.values.tolist())) < 2:
+            continue
+        if not together and (entry.values.size < table.rows or not is_shared(entry)):
             continue
         cells = [""] * count
         same = True
@@ -126,61 +164,90 @@ def _joined(table: Table, names: str, beside: Sequence[str]) -> list[str]:
     return [" ".join(filter(None, parts)) if name else "" for name, *parts in zip(own, *said, strict=True)]
 
 
-def _units(table: Table, of: Sequence[str], names: str, values: str) -> dict[str, str]:
-    """The unit of each name that a column says, where it is one throughout."""
-    others = [column for column in table.columns if column.name not in (names, values)]
-    said = unit_column(Evidence([replace(table, columns=others)])) if others else ""
+def _unit_column(table: Table, but: Collection[str]) -> str:
+    """The column that says the unit of each reading; empty without one."""
+    others = [column for column in table.columns if column.name not in but]
+    return unit_column(Evidence([replace(table, columns=others)])) if others else ""
+
+
+def _units(
+    table: Table, of: Sequence[str], names: str, values: str
+) -> tuple[dict[str, str], Callable[[int, str], str]]:
+    """What a column says of units.
+
+    Returns
+    -------
+    units, told
+        The unit of each name that has the same one throughout. And what writes the unit of a row behind its value where
+        its name has several: a sensor that was set to another scale.
+    """
+    said = _unit_column(table, (names, values))
     if not said:
-        return {}
+        return {}, lambda row, value: value
+    written = texts_of(table.column(said))
     found: dict[str, set[str]] = {}
-    for name, unit in zip(of, texts_of(table.column(said)), strict=True):
+    for name, unit in zip(of, written, strict=True):
         found.setdefault(name, set()).update({unit} - {""})
-    return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}
+    mark = table.reading.decimal or "."
+
+    def told(row: int, value: str) -> str:
+        apart = len(found[of[row]]) > 1 and unit_of(written[row]) and plain_number(value, mark) is not None
+        return f"{value} {written[row]}" if apart else value
+
+    return {name: next(iter(units)) for name, units in found.items() if len(units) == 1}, told
 
 
-def _spread(table: Table, names: str, values: str, times: Sequence[str]) -> Table:
-    said = texts_of(table.column(values))
+def _spread(table: Table, names: str, values: Sequence[str], times: Sequence[str]) -> Table:
     when = list(zip(*(texts_of(table.column(name)) for name in times), strict=True))
-    of, beside = _told_apart(table, names, {values, *times}, when)
-    kind = names if is_plain_value(values) else values
+    of, beside = _told_apart(table, names, {*values, *times}, when)
+    kind = names if len(values) > 1 or is_plain_value(values[0]) else values[0]
     of = [f"{kind} {name}" if name.replace(".", "").isdigit() else name for name in of]
     series = list(dict.fromkeys(name for name in of if name))
     if not 0 < len(series) <= MOST_SERIES:
         raise InputError(f"found {len(series)} names, expected {MOST_SERIES} at most", place=f"column {names}")
     rows = {time: row for row, time in enumerate(dict.fromkeys(when))}
-    cells = {name: [""] * len(rows) for name in series}
-    first, twice = np.zeros(len(rows), dtype=np.int64), []
-    for i in reversed(range(table.rows)):
-        first[rows[when[i]]] = table.places[i]
-    for i, (name, value, time) in enumerate(zip(of, said, when, strict=True)):
-        if not name:
-            continue
-        if cells[name][rows[time]] and value:
-            twice.append(i)
-        elif value:
-            cells[name][rows[time]] = value
+    row_of = [rows[time] for time in when]
+    used = {names, *values, *times, *beside}
+    columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
+    columns += _of_all(table, used, row_of, len(rows))
+    fields = telling(table, of, values, {*used, *(column.name for column in columns)})
+    twice: list[int] = []
+    if len(values) == 1:
+        own, twice = _own(table, of, names, values[0], row_of, len(rows))
+        columns += own
+    elif _unit_column(table, (names, *values)):
+        said = "a column of units says nobody knows of which of several values; expected --series NAMES,VALUES of one"
+        raise InputError(said, place="--series")
+    else:
+        fields = [*values, *fields]
+    told, again = fields_of(table, of, fields, row_of, len(rows))
+    columns += told
+    twice = sorted({*twice, *again})
     counted = list(table.counted)
     if beside:
         counted.append(Counted(f"name of {names}, told apart by {listed(beside)}", len(series), f"column {names}"))
     if twice:
         counted.append(Counted("second reading of one name and time, left out", len(twice), table.place(twice[0])))
-    columns = [Column(name, [time[k] for time in rows], table.column(name).unit) for k, name in enumerate(times)]
-    columns += _of_all(table, {names, values, *times, *beside}, [rows[time] for time in when], len(rows))
-    units = _units(table, of, names, values)
-    columns += [Column(name, cells[name], units.get(name, "")) for name in series]
+    first = np.zeros(len(rows), dtype=np.int64)
+    for i in reversed(range(table.rows)):
+        first[row_of[i]] = table.places[i]
+    called = unique_names([column.name for column in columns])
+    columns = [replace(column, name=name) for column, name in zip(columns, called, strict=True)]
     return replace(table, columns=columns, places=first, counted=tuple(counted))
 
 
-def texts_of(column: Column) -> list[str]:
-    """Give a column's cells as texts, empty where nothing is.
-
-    Parameters
-    ----------
-    column
-        Of texts, numbers or instants.
-    """
-    if isinstance(column.cells, list):
-        return [cell.strip() for cell in column.cells]
-    if column.cells.dtype.kind == "M":
-        return ["" if np.isnat(cell) else str(cell.astype("datetime64[ns]")) for cell in column.cells]
-    return ["" if not np.isfinite(value) else repr(float(value)) for value in column.cells.astype(np.float64)]
+def _own(
+    table: Table, of: Sequence[str], names: str, values: str, row_of: Sequence[int], count: int
+) -> tuple[list[Column], list[int]]:
+    """A column of each name with its values, and the rows whose reading is the second of one name and time."""
+    cells = {name: [""] * count for name in of if name}
+    units, told = _units(table, of, names, values)
+    twice = []
+    for i, (name, value, row) in enumerate(zip(of, texts_of(table.column(values)), row_of, strict=True)):
+        if not name or not value:
+            continue
+        if cells[name][row]:
+            twice.append(i)
+        else:
+            cells[name][row] = told(i, value)
+    return [Column(name, own, units.get(name, "")) for name, own in cells.items()], twice

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -42,12 +42,35 @@ def names_and_values(evidence: Evidence, told: Collection[str]) -> tuple[str, st
     """
     texts = [facts for name, facts in evidence.facts.items() if name not in told and _names(facts)]
     named = [facts for facts in texts if SERIES.fullmatch(facts.name.casefold())] or _numbered(evidence, told)
-    by_turns = [facts for facts in texts if _turns(facts) and not _all_units(facts) and not _states(facts)]
+    by_turns = [facts for facts in texts if come_by_turns(facts)]
     values = value_column(evidence, {facts.name for facts in named[:1]})
     if not named and (not values or len(by_turns) != 1):
         return None
     found = (named or by_turns)[0].name
-    return found, found if not values or is_plain_value(values) else f"{found},{values}"
+    several = [facts.name for facts in moving(evidence, {found})] if not values else []
+    return found, series_of(found, [values] if values and not is_plain_value(values) else several)
+
+
+def series_of(names: str, values: Sequence[str]) -> str:
+    """What `--series` is told: a column of names, and those of values where they have to be said.
+
+    Parameters
+    ----------
+    names, values
+        Of columns. A comma in one of several would part it.
+    """
+    return ",".join([names, *(value for value in values if "," not in value)])
+
+
+def come_by_turns(facts: Facts) -> bool:
+    """Whether a column holds a few texts that come by turns and are no units and no states: names, perhaps.
+
+    Parameters
+    ----------
+    facts
+        Of the column.
+    """
+    return _names(facts) and _turns(facts) and not _all_units(facts) and not _states(facts)
 
 
 def value_column(evidence: Evidence, but: Collection[str] = ()) -> str:
@@ -63,10 +86,35 @@ def value_column(evidence: Evidence, but: Collection[str] = ()) -> str:
     named = [name for name in evidence.facts if name.casefold() in _VALUES and name not in but]
     if named:
         return named[0] if len(named) == 1 else ""
-    moving = [f for f in evidence.numbers if f.name not in but and len(np.unique(f.values)) > 1 and not _time_like(f)]
-    if len(moving) > 1:  # what all sensors share stays while they are read
-        moving = [facts for facts in moving if (facts.steps == 0).mean() < _MOST_SHARED]
-    return moving[0].name if len(moving) == 1 else ""
+    found = moving(evidence, but)
+    return found[0].name if len(found) == 1 else ""
+
+
+def moving(evidence: Evidence, but: Collection[str] = ()) -> list[Facts]:
+    """Columns of numbers that move, and are no times.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    but
+        Those that are left out.
+    """
+    found = [f for f in evidence.numbers if f.name not in but and len(np.unique(f.values)) > 1 and not _time_like(f)]
+    if len(found) > 1:  # what all sensors share stays while they are read
+        found = [facts for facts in found if not is_shared(facts)]
+    return found
+
+
+def is_shared(facts: Facts) -> bool:
+    """Whether numbers mostly stay as in the row before, as those of all sensors do.
+
+    Parameters
+    ----------
+    facts
+        Of a column.
+    """
+    return bool((facts.steps == 0).mean() >= _MOST_SHARED)
 
 
 def is_plain_value(name: str) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guess_input import FULL
 from gen.importing.guessing.guesses import Choices, quoted
+from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.mapping import Mapping
 
@@ -36,7 +37,8 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     time = short_in_seconds(evidence, mapping.time, choices)
     drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
     drive = drive or _like_a_middle(evidence, mapping) or _like_a_live_zero(evidence, mapping)
-    return [f"{label}: {said}" for said in (time, drive) if said]
+    several = _like_several(evidence, mapping, choices)
+    return [f"{label}: {said}" for said in (time, drive, several) if said]
 
 
 def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
@@ -95,3 +97,13 @@ def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
         f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
         f"middle; if so, put 2 (x - {values[0]:g}) in its place first"
     )
+
+
+def _like_several(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
+    """A column that was said to be none of names, between which a temperature goes to and fro all the same."""
+    others = {name for name in evidence.facts if name not in choices.columns} | {mapping.runs}
+    found = mixed(evidence, mapping.column, others)
+    if found is None:
+        return ""
+    name, column, said = found
+    return f"{column}: goes to and fro with {name}, as of several sensors; if so: --series {quoted(said)}"

@@ -6,6 +6,7 @@ import codecs
 import re
 
 from gen.errors import InputError
+from gen.importing.reading.torn import without_blocks
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -60,7 +61,7 @@ def decode(data: bytes, given: str = "") -> tuple[str, str, str]:
                 return data.decode(given, "replace"), given, ""
             raise InputError(f"byte 0x{data[error.start]:02x} is not {given}", place=f"line {line}") from None
     text, encoding, why = _guessed(data)
-    _check_text(text)
+    _check_text(without_blocks(text)[0])
     return text, encoding, why
 
 

@@ -21,6 +21,8 @@ _FOREIGN = {
     b"%PDF": "is a PDF; expected a log",
     b"\x7fELF": "is a program; expected a log",
 }
+_TAR = 257
+"""Where a tar archive says that it is one."""
 
 
 def read_tables(file: Path, given: Reading) -> list[Table]:
@@ -78,6 +80,8 @@ def _tables(file: Path, data: bytes, given: Reading) -> list[Table]:
     for magic, message in _FOREIGN.items():
         if data.startswith(magic):
             raise InputError(message)
+    if data.startswith(b"ustar", _TAR):
+        raise InputError("is a tar archive; unpack it")
     if data.startswith(b"PK\x03\x04") and not _is_workbook(data):
         raise InputError("is a zip archive and no workbook; unpack it")
     if data.startswith(b"\x89HDF"):

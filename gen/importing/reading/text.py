@@ -18,6 +18,7 @@ from gen.importing.reading.published import is_published, published_table
 from gen.importing.reading.rows.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
 from gen.importing.reading.rows.delimited import table_of_rows
 from gen.importing.reading.tagged import chips, line_protocol, prometheus, rounds, topics
+from gen.importing.reading.torn import without_blocks
 from gen.importing.table import Reading, Table
 
 _BEGINS_AS_JSON = re.compile(r'\s*\ufeff?\s*(?:\[\s*\{|\{\s*")')
@@ -28,6 +29,8 @@ _FRAME = re.compile(
 )
 """candump's: `(1772439300.000123) can0 123#0011`, `can0  123   [2]  00 11`."""
 _SAMPLE = 400
+_NEAR_END = 200
+"""Characters."""
 
 
 def read_text(file: Path, data: bytes, given: Reading) -> Table:
@@ -48,6 +51,12 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
         Without a file name, with the place.
     """
     text, encoding, why = decode(data, given.encoding)
+    text, torn = without_blocks(text)
+    table = _table(file, text, given, encoding, why)
+    return replace(table, counted=(*torn, *table.counted))
+
+
+def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Table:
     reading = Reading(encoding, given.delimiter, given.decimal, {"encoding": why} if why else {})
     lines = lines_of(text.removeprefix("\ufeff"))
     if not lines.texts:
@@ -59,6 +68,8 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
         if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
             return whole
         if is_json(lines.texts):
+            if whole is None and len(lines.texts) == 1:
+                _check_whole(text.removeprefix("\ufeff"))
             return json_table(file, lines, plain)
     if _MAY_BE_DOCUMENTS.search(text) and (each := documents.one_a_line(text.removeprefix("\ufeff"))) is not None:
         return json_table(file, each, replace(reading, decimal=".", delimiter=""))
@@ -114,7 +125,10 @@ def _check_whole(text: str) -> None:
         json.loads(text)
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
-        raise InputError(f"begins as JSON and is none from here on ({error.msg})", place=place) from None
+        said = f"begins as JSON and is none from here on ({error.msg})"
+        if text[:1] == "[" and len(text) - error.pos < _NEAR_END:
+            said += "; does the file end early? expected all of it, or a ] for what follows its last whole object"
+        raise InputError(said, place=place) from None
     except RecursionError:
         raise InputError("is JSON of more depth than any log has") from None
 

@@ -11,9 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from gen.importing.guessing.names import slug
-from gen.importing.guessing.series import texts_of
 from gen.importing.numbers import parse
-from gen.importing.table import Column, Counted, FloatArray, Table
+from gen.importing.table import Column, Counted, FloatArray, Table, texts_of
 
 _PARTS = (
     ("year", "yyyy", "yr", "jahr", "annee", "anno", "ano", "jaar"),

@@ -29,6 +29,8 @@ _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 /
 _SAME_LENGTH = 0.05
 _EVEN = 0.8
 """Of the steps."""
+_MOST_BACK = 0.2
+"""Of the steps of a time: where more of them go back, rows are not in its order."""
 _COARSE_S = 2.0
 """By which timestamps of whole seconds may be off at both ends."""
 
@@ -118,6 +120,13 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     table = evidence.tables[0]
     stands = next((entry for entry in facts if entry.kind == "number" and _called_so(entry)), None)
     if stands is not None and not stands.in_degrees and stands.span[1] >= EARLIEST_S:
+        back = np.flatnonzero(stands.steps < 0)
+        if back.size > _MOST_BACK * stands.steps.size:
+            raise InputError(
+                f"goes back {back.size} times in {stands.values.size} rows; expected --time {quoted(stands.name)} "
+                "--sort, which puts rows in the order of their times, or another --time COLUMN",
+                place=_first(evidence, stands),
+            )
         raise InputError(
             f"does not go on ({stands.span[0]:g}..{stands.span[1]:g}): were its last digits lost, as in a spreadsheet? "
             "expected --time SECONDS for the interval of the rows, or another --time COLUMN",
@@ -243,7 +252,7 @@ def _rises(entry: Facts) -> bool:
     steps = entry.steps
     if not steps.size:
         return entry.values.size > 0
-    return bool((steps >= 0).mean() > 0.8 and (steps > 0).mean() > 0.04)
+    return bool((steps >= 0).mean() > 1.0 - _MOST_BACK and (steps > 0).mean() > 0.04)
 
 
 def _stands(entry: Facts) -> bool:

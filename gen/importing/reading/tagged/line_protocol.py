@@ -10,7 +10,7 @@ from gen.importing.reading.tagged.tagged_records import Record
 _KEY = r"(?:[^\s,=\"\\]|\\.)+"
 _FIELD = rf'{_KEY}=(?:"(?:[^"\\]|\\.)*"|[^\s,"]+)'
 _LINE = re.compile(
-    rf"(?P<name>{_KEY})(?P<tags>(?:,{_KEY}={_KEY})*) (?P<fields>{_FIELD}(?:,{_FIELD})*)(?: (?P<when>-?\d+))?\s*"
+    rf"(?P<whose>{_KEY})(?P<tags>(?:,{_KEY}={_KEY})*) (?P<fields>{_FIELD}(?:,{_FIELD})*)(?: (?P<when>-?\d+))?\s*"
 )
 _TAG = re.compile(rf"({_KEY})=({_KEY})")
 _VALUE = re.compile(rf'({_KEY})=("(?:[^"\\]|\\.)*"|[^\s,"]+)')
@@ -51,7 +51,8 @@ def points(lines: Lines) -> tuple[list[Record], list[int], list[int]]:
             continue
         fields: dict[str, object] = {_plain(key): _value(value) for key, value in _VALUE.findall(match["fields"])}
         tags = {_plain(key): _plain(value) for key, value in _TAG.findall(match["tags"])}
-        made.append((int(match["when"]), {"fields": fields, "tags": tags, "time": match["when"]}, number))
+        point = {"name": _plain(match["whose"]), "fields": fields, "tags": tags, "time": match["when"]}
+        made.append((int(match["when"]), point, number))
     made.sort(key=lambda entry: entry[0])
     return [record for _, record, _ in made], [place for _, _, place in made], bad
 
