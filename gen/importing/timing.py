@@ -11,7 +11,7 @@ from gen.importing import clock, sequence
 from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import in_utc
-from gen.importing.mapping import Mapping
+from gen.importing.mapping import Mapping, TimeForm
 from gen.importing.origins import days_since, seconds_since
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.units import unit_of
@@ -37,9 +37,9 @@ _OF_HALF_A_DAY = sequence.Round("the hours of half a day", _DAY_S / 2, 3600.0)
 """Hours from 1 to 12 without AM and PM."""
 
 
-def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
+def timed(evidence: Evidence, index: int, form: TimeForm, made: Converted) -> tuple[FloatArray, str]:
     """Time of every row in s, NaN where it has none; and the instant at which it is 0."""
-    form, table = mapping.time, made.table
+    table = made.table
     if form.interval_s is not None:
         return np.arange(table.rows, dtype=np.float64) * form.interval_s, ""
     facts = [evidence.facts[name] for name in form.columns]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
@@ -125,6 +126,20 @@ class Facts:
             return minutes["base"], unit_of(minutes["unit"]), "name"
         return base, None, ""
 
+    def without(self, numbers: Collection[float]) -> Facts:
+        """The column with nothing where one of these numbers is.
+
+        Parameters
+        ----------
+        numbers
+            As `values` has them.
+        """
+        if not numbers:
+            return self
+        odd = [np.isin(entry.values, list(numbers)) for entry in self.parsed]
+        columns = [_emptied(column, rows) for column, rows in zip(self.columns, odd, strict=True)]
+        return Facts(self.name, columns, self.decimals)
+
     @property
     def in_degrees(self) -> bool:
         """Whether its unit is one of temperatures."""
@@ -146,6 +161,13 @@ class Facts:
         """Median of each table's first five numbers."""
         found = [entry.values[np.isfinite(entry.values)][:5] for entry in self.parsed]
         return np.array([np.median(values) for values in found if values.size])
+
+
+def _emptied(column: Column, rows: NDArray[np.bool_]) -> Column:
+    cells = column.cells
+    if isinstance(cells, list):
+        return replace(column, cells=["" if gone else cell for cell, gone in zip(cells, rows.tolist(), strict=True)])
+    return replace(column, cells=np.where(rows, np.nan, cells))
 
 
 def _parsed(column: Column, mark: str) -> Parsed:
