@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -123,18 +124,26 @@ def _instants(facts: list[Facts], index: int, unit: str, order: str, made: Conve
             raise InputError(f"holds numbers, expected a {unit}", place=f"column {facts[0].name}")
         return clock.of_instants(cells)  # type: ignore[arg-type]
     if unit == "mm:ss":
-        return clock.minutes(cells)
+        return _read(facts[0], index, clock.minutes)
     if unit == "timestamp":
-        return clock.instants(cells, order)
+        return _read(facts[0], index, clock.instants, order)
     if unit == "date and time":
         times = facts[1].columns[index].cells
         if not isinstance(times, list):
             raise InputError("holds numbers, expected times of day", place=f"column {facts[1].name}")
-        return clock.together(clock.instants(cells, order), clock.of_day(times))
-    ns, nights = clock.over_midnight(clock.of_day(cells))
+        return clock.together(_read(facts[0], index, clock.instants, order), _read(facts[1], index, clock.of_day))
+    ns, nights = clock.over_midnight(_read(facts[0], index, clock.of_day))
     if nights:
         made.counted.append(Counted("midnight passed", nights, f"column {facts[0].name}"))
     return ns
+
+
+def _read(facts: Facts, index: int, read: Callable[..., IntArray], *order: str) -> IntArray:
+    """Times of one table's texts; they are read once, which takes long."""
+    key: tuple[int | str, ...] = (index, str(read.__name__), *order)
+    if key not in facts.times_read:
+        facts.times_read[key] = read(facts.columns[index].cells, *order)
+    return facts.times_read[key]
 
 
 def ticks_of(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gen.errors import InputError
@@ -15,8 +16,8 @@ HALF = len(TRUE) // 2
 COUNTS = {"pwm": "counts"}
 
 
-def below_each_other(*frames: object) -> str:
-    return "".join(csv(frame) for frame in frames)  # type: ignore[arg-type]
+def below_each_other(*frames: pd.DataFrame) -> str:
+    return "".join(map(csv, frames))
 
 
 @pytest.mark.parametrize("order", [[0, 1, 3, 2, 4], [4, 3, 2, 1, 0]])
@@ -103,3 +104,25 @@ def test_other_lines_between_rows_change_nothing(line: str, tmp_path: Path) -> N
 def test_a_preamble_of_its_own_columns_is_no_earlier_header(tmp_path: Path) -> None:
     text = f"Samples,Interval\n120,0.5\nChannel,Name\n1,Winding\n\n{csv()}"
     same(taken(write(tmp_path, text), tmp_path / "out", units=COUNTS), TRUE)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "Time,Event\n12.5,started by the user\n40.0,stopped by the user\n",
+        "Part,Max\nWinding,60.1\nCasing,33.2\n",
+        "winding_degC,Max\n21.5,60.1\n",
+    ],
+)
+@pytest.mark.parametrize("above", [False, True])
+def test_a_table_that_is_no_log_above_or_below_one_changes_nothing(table: str, above: bool, tmp_path: Path) -> None:
+    text = f"{table}\n{csv()}" if above else f"{csv()}\n{table}"
+    found = take(write(tmp_path, text), tmp_path / "out", units=COUNTS)
+    same(read_run(found.runs[0]), TRUE)
+    assert above or any("no row of 5 columns" in what for what in found.counted().index)
+
+
+def test_events_of_as_many_columns_below_a_log_are_refused(tmp_path: Path) -> None:
+    text = f"{csv()}time_s,User,Event,Value,Comment\n12.5,Ann,started,3,none\n14,Ann,speed,5,none\n"
+    with pytest.raises(InputError, match="names User, Event, Value, Comment, where that of line 1 names pwm, winding"):
+        take(write(tmp_path, text), tmp_path / "out", units=COUNTS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
@@ -12,12 +11,12 @@ from gen.errors import InputError
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, write
 
-SHARE = np.round(TRUE.pwm / 340, 2)
+SHARE = (TRUE.pwm / 340).round(2)
 """204 of 255 becomes 0.6."""
 AT = 30
 
 
-def with_input(values: object, name: str) -> pd.DataFrame:
+def with_input(values: pd.Series, name: str) -> pd.DataFrame:
     frame = TRUE.rename(columns={"pwm": name})
     return frame.assign(**{name: values})
 
@@ -100,7 +99,7 @@ def test_one_reading_far_beyond_all_others_is_asked_for_and_left_out(tmp_path: P
 
 
 def test_one_reading_beyond_what_the_name_says_is_left_out(tmp_path: Path) -> None:
-    percent = np.round(TRUE.pwm / 40.8, 1)  # up to 5
+    percent = (TRUE.pwm / 40.8).round(1)  # up to 5
     percent[AT] = 620
     found = take(write(tmp_path, csv(with_input(percent, "PWM %"))), tmp_path / "out")
     assert set(read_run(found.runs[0]).pwm.tolist()) == {0, 13}
@@ -108,7 +107,7 @@ def test_one_reading_beyond_what_the_name_says_is_left_out(tmp_path: Path) -> No
 
 
 def test_more_than_the_full_scale_that_is_not_far_beyond_is_still_refused(tmp_path: Path) -> None:
-    percent = np.round(TRUE.pwm / 3.4, 1)
+    percent = (TRUE.pwm / 3.4).round(1)
     percent[AT] = 150
     with pytest.raises(InputError, match="more than its full scale of 100"):
         take(write(tmp_path, csv(with_input(percent, "PWM %"))), tmp_path / "out", units={"PWM %": "percent"})

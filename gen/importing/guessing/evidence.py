@@ -14,7 +14,7 @@ from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
 from gen.importing.guessing.names import AMBIENT, PARTS, carried
 from gen.importing.numbers import Parsed, parse
-from gen.importing.table import Column, FloatArray, Table
+from gen.importing.table import Column, FloatArray, IntArray, Table
 from gen.importing.units import TEMPERATURE, Unit, split_name, unit_of
 
 _LEAST_NUMBERS = 0.2
@@ -114,6 +114,11 @@ class Facts:
     def texts(self) -> list[str]:
         """All cells as text; empty for a typed column."""
         return [cell for column in self.columns if isinstance(column.cells, list) for cell in column.cells]
+
+    @cached_property
+    def times_read(self) -> dict[tuple[int | str, ...], IntArray]:
+        """Times of each table, once they were read, by the table and how."""
+        return {}
 
     @cached_property
     def named(self) -> tuple[str, Unit | None, str]:

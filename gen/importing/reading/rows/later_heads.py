@@ -143,7 +143,9 @@ def _head(rows: Sequence[list[str]], block: Sequence[int], width: int) -> _Head 
 
 def _may_name(row: Sequence[str]) -> bool:
     first = row[0].lstrip()[:1] if row else "-"
-    return not first.isdigit() and first not in ("+", "-", ".") and is_head(row) and not any(map(is_number, row))
+    if first.isdigit() or first in ("+", "-", ".") or 2 * sum(cell[:1].isdigit() for cell in row) > len(row):
+        return False  # as nearly all lines, at once
+    return is_head(row) and not any(map(is_number, row))
 
 
 def _related(heads: Sequence[_Head], rows: int) -> list[_Head]:
@@ -161,7 +163,13 @@ def _related(heads: Sequence[_Head], rows: int) -> list[_Head]:
 def _names_alike(head: _Head, other: _Head) -> bool:
     """Whether a header names columns of another one; or a time, and beside it what a log of a motor holds."""
     here, there = ({_base(name) for name in one.names} - {""} for one in (head, other))
-    return len(here & there) >= _SHARED * min(len(head.said), len(other.said)) or _is_log(head, there)
+    times = {name for name in here | there if TIME.fullmatch(name)}
+    if head.width == other.width and _base(head.names[0]) == _base(other.names[0]):
+        return True
+    if head.width != other.width and there & times and not here & times:
+        return False  # what was measured of all of a log, below or above it
+    shared, fewer = (here & there) - times, min(here - times, there - times, key=len)
+    return (bool(shared) and len(shared) >= _SHARED * len(fewer)) or _is_log(head, there)
 
 
 def _is_log(head: _Head, others: set[str]) -> bool:
