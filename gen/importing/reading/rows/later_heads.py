@@ -18,7 +18,7 @@ _NEAR = 5
 _LEAST_NAMES = 2
 _SHARED = 0.5
 """Of its names, by which a line is a header as the one above."""
-_BY_NAMES = "header with {} than the first, whose rows are taken by its names"
+_BY_NAMES = "header with {}, by which the rows below it are taken"
 
 Key = tuple[str, str]
 """Name and unit of a column; columns without a name are numbered in the place of the unit."""
