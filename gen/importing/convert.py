@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping as Named
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from gen.errors import InputError
 from gen.importing import sequence
 from gen.importing.converted import Converted, count_units_apart
+from gen.importing.drive import drive_of
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import goes_ahead_an_hour, told_reset
 from gen.importing.mapping import DATED, Entry, Mapping
@@ -23,8 +25,6 @@ from gen.importing.timing import ticks_of, timed
 from gen.importing.units import split_name, unit_of
 from gen.runs import AMBIENT, Run
 
-_FULL = 255
-_HALF_A_COUNT = 0.5
 _MOST_REPEATED = 0.1
 _FEW_REPEATED = 5
 _MOST_UNTIMED = 0.5
@@ -54,7 +54,9 @@ class Splitting:
     gap_s: float | None = None
 
 
-def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitting) -> Converted:
+def convert(
+    evidence: Evidence, index: int, mapping: Mapping, splitting: Splitting, odd: Named[float, str]
+) -> Converted:
     """Make runs of one table.
 
     Parameters
@@ -65,6 +67,8 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         What its columns are.
     splitting
         Where to split.
+    odd
+        Numbers in the input's column that are none of the input, and what they are.
 
     Raises
     ------
@@ -75,8 +79,8 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
         evidence, index = _in_order(evidence, index, mapping), 0
     table = evidence.tables[index]
     made = Converted(table, counted=list(table.counted))
-    time, begun = timed(evidence, index, mapping, made)
-    drive = _drive(evidence, index, mapping, made)
+    time, begun = timed(evidence, index, mapping.time, made)
+    drive = drive_of(evidence, index, mapping.input, time, odd, made)
     labels = evidence.facts[mapping.runs].columns[index].cells if mapping.runs else None
     series = _labelled(np.arange(table.rows), labels)
     known = np.zeros(table.rows, dtype=bool)
@@ -119,7 +123,7 @@ def convert(evidence: Evidence, index: int, mapping: Mapping, splitting: Splitti
 def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     """One table with its rows in the order of their times; those without a time behind all others."""
     table = evidence.tables[index]
-    time, _ = timed(evidence, index, mapping, Converted(table))
+    time, _ = timed(evidence, index, mapping.time, Converted(table))
     rows = np.argsort(time, kind="stable")
     moved = int((np.diff(rows) < 0).sum())
     if not moved:
@@ -127,37 +131,6 @@ def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     first = table.place(int(np.argmax(np.diff(rows) < 0)) + 1)
     counted = (*table.counted, Counted("place at which rows were put in the order of their times", moved, first))
     return Evidence([replace(table.of_rows(rows), counted=counted)])
-
-
-def _drive(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> FloatArray:
-    """The input in counts, not rounded, NaN where it is missing."""
-    form, table = mapping.input, made.table
-    if form.counts is not None:
-        return np.full(table.rows, float(form.counts))
-    facts = evidence.facts[form.column]
-    parsed = facts.parsed_in(index, unit_of(form.unit))
-    count_units_apart(facts, parsed, form.unit, made)
-    made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
-    made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
-    values = parsed.values / form.full_scale * _FULL
-    if form.sign:
-        sign = evidence.facts[form.sign].parsed[index].values
-        values = values * np.where(sign < 0, -1.0, 1.0)
-    beyond = np.flatnonzero(np.abs(values) > _FULL + 0.5)
-    if beyond.size:
-        found = parsed.values[beyond[0]]
-        raise InputError(
-            f"found {found:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected --full-scale of "
-            f"at least {np.nanmax(np.abs(parsed.values)):g}, or --unit",
-            place=table.place(int(beyond[0]), form.column),
-        )
-    reached = float(np.nanmax(np.abs(parsed.values))) if np.isfinite(parsed.values).any() else 0.0
-    if 0.0 < reached < _HALF_A_COUNT * form.full_scale / _FULL:
-        made.warnings.append(
-            f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {_FULL} at a full "
-            f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
-        )
-    return np.asarray(values)
 
 
 def _saying(evidence: Evidence, index: int, mapping: Mapping) -> NDArray[np.bool_]:

@@ -222,7 +222,7 @@ def write(
         for index, table in enumerate(decided.evidence.tables):
             progress(f"converting {table.label}")
             try:
-                made = convert(decided.evidence, index, decided.mapping, splitting)
+                made = convert(decided.evidence, index, decided.mapping, splitting, decided.odd)
             except InputError as error:
                 raise InputError(error.message, file=table.label, place=error.place) from None
             converted.append(made)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -11,7 +12,7 @@ from gen.importing import clock, sequence
 from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import in_utc
-from gen.importing.mapping import Mapping
+from gen.importing.mapping import Mapping, TimeForm
 from gen.importing.origins import days_since, seconds_since
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.units import unit_of
@@ -37,9 +38,9 @@ _OF_HALF_A_DAY = sequence.Round("the hours of half a day", _DAY_S / 2, 3600.0)
 """Hours from 1 to 12 without AM and PM."""
 
 
-def timed(evidence: Evidence, index: int, mapping: Mapping, made: Converted) -> tuple[FloatArray, str]:
+def timed(evidence: Evidence, index: int, form: TimeForm, made: Converted) -> tuple[FloatArray, str]:
     """Time of every row in s, NaN where it has none; and the instant at which it is 0."""
-    form, table = mapping.time, made.table
+    table = made.table
     if form.interval_s is not None:
         return np.arange(table.rows, dtype=np.float64) * form.interval_s, ""
     facts = [evidence.facts[name] for name in form.columns]
@@ -123,18 +124,26 @@ def _instants(facts: list[Facts], index: int, unit: str, order: str, made: Conve
             raise InputError(f"holds numbers, expected a {unit}", place=f"column {facts[0].name}")
         return clock.of_instants(cells)  # type: ignore[arg-type]
     if unit == "mm:ss":
-        return clock.minutes(cells)
+        return _read(facts[0], index, clock.minutes)
     if unit == "timestamp":
-        return clock.instants(cells, order)
+        return _read(facts[0], index, clock.instants, order)
     if unit == "date and time":
         times = facts[1].columns[index].cells
         if not isinstance(times, list):
             raise InputError("holds numbers, expected times of day", place=f"column {facts[1].name}")
-        return clock.together(clock.instants(cells, order), clock.of_day(times))
-    ns, nights = clock.over_midnight(clock.of_day(cells))
+        return clock.together(_read(facts[0], index, clock.instants, order), _read(facts[1], index, clock.of_day))
+    ns, nights = clock.over_midnight(_read(facts[0], index, clock.of_day))
     if nights:
         made.counted.append(Counted("midnight passed", nights, f"column {facts[0].name}"))
     return ns
+
+
+def _read(facts: Facts, index: int, read: Callable[..., IntArray], *order: str) -> IntArray:
+    """Times of one table's texts; they are read once, which takes long."""
+    key: tuple[int | str, ...] = (index, str(read.__name__), *order)
+    if key not in facts.times_read:
+        facts.times_read[key] = read(facts.columns[index].cells, *order)
+    return facts.times_read[key]
 
 
 def ticks_of(evidence: Evidence, index: int, mapping: Mapping) -> sequence.Ticks:

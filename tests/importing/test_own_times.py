@@ -75,6 +75,102 @@ def test_another_clock_of_the_same_rows_is_no_channels_own(name: str, other: pd.
     assert not any("times of its own" in text for text in found.counted().index)
 
 
+def tables(head: str, *columns: list[list[str]]) -> str:
+    """Tables beside each other, a blank column between; each ends with its own last row."""
+    width = [len(table[0]) for table in columns]
+    lines = [
+        ",,".join(",".join(row or [""] * n) for row, n in zip(rows, width, strict=True))
+        for rows in zip_longest(*columns)
+    ]
+    return "\n".join([head, *lines]) + "\n"
+
+
+def of_day(seconds: int) -> str:
+    return f"{BEGIN + pd.Timedelta(seconds=seconds):%H:%M:%S}"
+
+
+@pytest.mark.parametrize("slow_first", [False, True])
+@pytest.mark.parametrize(
+    ("name", "shown"), [("t [s]", str), ("Time", lambda t: str(BEGIN + pd.Timedelta(seconds=t))), ("Time", of_day)]
+)
+def test_a_table_beside_another_keeps_its_own_times(
+    name: str, shown: Callable[[int], str], slow_first: bool, tmp_path: Path
+) -> None:
+    fast = [[shown(t), str(pwm), f"{20 + 0.1 * t:.2f}"] for t, pwm in zip(FAST, DUTY, strict=True)]
+    slow = [[shown(t), str(warm), "22.5"] for t, warm in zip(SLOW, WARM, strict=True)]
+    heads = [f"{name},Duty [%],Winding [°C]", f"{name},Casing [°C],Ambient [°C]"]
+    both = (slow, fast) if slow_first else (fast, slow)
+    head = ",,".join(reversed(heads) if slow_first else heads)
+    found = take(write(tmp_path, tables(head, *both)), tmp_path / "out")
+    run = read_run(found.runs[0])
+    time = np.round(run.time_s - run.time_s[np.isfinite(run.temps["winding"])][0] + FAST[0])
+    known = np.isfinite(run.temps["casing"])
+    assert run.temps["casing"][known].tolist() == WARM[1:]  # before the first known duty
+    assert time[known].tolist() == SLOW[1:]
+    assert time[np.isfinite(run.temps["winding"])].tolist() == FAST
+    assert run.pwm[(time >= FAST[0]) & (time < 400)].tolist() == [153] * int((time < 400).sum())
+    assert any("with times of its own" in text for text in found.counted().index)
+
+
+def test_tables_beside_each_other_with_dates_and_times_of_day_in_two_columns(tmp_path: Path) -> None:
+    def shown(seconds: int) -> str:
+        return f"{BEGIN + pd.Timedelta(seconds=seconds):%d.%m.%Y,%H:%M:%S}"
+
+    fast = [[shown(t), str(pwm), "30.5"] for t, pwm in zip(FAST, DUTY, strict=True)]
+    slow = [[shown(t), str(warm)] if t is not None else [",", ""] for t, warm in zip(SLOW, WARM, strict=True)]
+    head = "Date,Time,Duty [%],Winding [°C],,Date,Time,Casing [°C]"
+    slow += [[",", ""]] * (len(fast) - len(slow))
+    run = taken(write(tmp_path, tables(head, fast, slow)), tmp_path / "out")
+    known = np.isfinite(run.temps["casing"])
+    assert run.temps["casing"][known].tolist() == WARM[1:]
+    assert (run.time_s[known] - run.time_s[known][0]).tolist() == [t - 10 for t in SLOW[1:]]
+
+
+def test_a_row_below_a_table_that_has_no_time_is_counted(tmp_path: Path) -> None:
+    fast = [*([str(t), str(pwm), "30.5"] for t, pwm in zip(FAST, DUTY, strict=True)), ["Mean", "40", "30.5"]]
+    slow = [[str(t), str(warm)] for t, warm in zip(SLOW, WARM, strict=True)]
+    path = write(tmp_path, tables("t [s],Duty [%],Winding [°C],,t [s],Casing [°C]", fast, slow))
+    found = take(path, tmp_path / "out")
+    assert any("row without a time" in text for text in found.counted().index)
+
+
+def test_readings_of_one_time_in_a_table_beside_another_are_told(tmp_path: Path) -> None:
+    fast = [[str(t), str(pwm), "30.5"] for t, pwm in zip(FAST, DUTY, strict=True)]
+    slow = [[str(t), str(warm)] for t, warm in zip(SLOW, WARM, strict=True)]
+    path = write(tmp_path, tables("t [s],Duty [%],Winding [°C],,t [s],Casing [°C]", [*fast[:3], *fast[2:]], slow))
+    found = take(path, tmp_path / "out")
+    assert any("repeated time" in text for text in found.counted().index)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("Time", "Time UTC"),
+        ("Time", "Time"),
+        ("t [s]", "Time"),
+    ],
+)
+def test_a_second_clock_of_the_same_rows_makes_no_second_table(first: str, second: str, tmp_path: Path) -> None:
+    stamps = [str(BEGIN + pd.Timedelta(seconds=t)) for t in SLOW]
+    utc = [str(BEGIN + pd.Timedelta(hours=-1, seconds=t)) for t in SLOW]
+    utc[7] = ""  # where a receiver had no fix
+    begin = stamps if first == "Time" else list(map(str, SLOW))
+    rows = [",".join((a, "60", str(warm), b, "21.5")) for a, b, warm in zip(begin, utc, WARM, strict=True)]
+    text = "\n".join([f"{first},Duty [%],Winding [°C],{second},Casing [°C]", *rows])
+    found = take(write(tmp_path, text), tmp_path / "out")
+    run = read_run(found.runs[0])
+    assert run.temps["winding"].tolist() == WARM
+    assert run.time_s.tolist() == SLOW
+    assert not any("times of its own" in text for text in found.counted().index)
+
+
+def test_a_temperature_called_like_the_time_is_none(tmp_path: Path) -> None:
+    rows = [f"{t},60,{warm},21.5" for t, warm in zip(SLOW, WARM, strict=True)]
+    run = taken(write(tmp_path, "\n".join(["t,Duty [%],T,casing", *rows])), tmp_path / "out")
+    assert run.temps["casing"].tolist() == [21.5] * len(SLOW)
+    assert run.time_s.tolist() == SLOW
+
+
 PLC = """Name\tScope01
 File\t
 StartRecord\t134401608000000000\tDonnerstag, 26. November 2026\t10:00:00

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping as Named
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 from gen.errors import InputError
+from gen.importing.drive import odd_of
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
@@ -17,6 +19,7 @@ from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.series_columns import names_and_values
 from gen.importing.guessing.suspicious import suspicious
+from gen.importing.guessing.timed_rows import of_timed_rows
 from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.listing import listed
 from gen.importing.mapping import Entry, Mapping, TextForm
@@ -50,12 +53,15 @@ class Decided:
         How sure that is, and why.
     warnings
         What is suspicious of that, in a line each.
+    odd
+        Numbers in the input's column that are none of the input, and what they are.
     """
 
     evidence: Evidence
     mapping: Mapping
     guesses: Sequence[Guess]
     warnings: Sequence[str] = ()
+    odd: Named[float, str] = field(default_factory=dict)
 
 
 def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:
@@ -117,6 +123,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     reserved = {runs} - {""}
     time, said = decide_time(evidence, choices)
     guesses += said
+    everything, evidence = evidence, of_timed_rows(evidence, time)
     try:
         drive, said = decide_input(evidence, choices, reserved | set(time.columns))
     except InputError as error:
@@ -146,7 +153,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         series=choices.series,
         column=entries,
     )
-    return Decided(evidence, mapping, guesses, suspicious(evidence, mapping, choices))
+    return Decided(everything, mapping, guesses, suspicious(evidence, mapping, choices), odd_of(evidence, mapping))
 
 
 def _with_part(error: InputError, evidence: Evidence, choices: Choices, used: set[str]) -> InputError:
@@ -259,7 +266,7 @@ def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
     for name in known.used:
         if evidence.facts[name].kind == "text" and name != known.runs:
             raise InputError("holds text, expected numbers or times", place=f"column {name}")
-    return Decided(evidence, known, guesses)
+    return Decided(evidence, known, guesses, odd=odd_of(of_timed_rows(evidence, known.time), known))
 
 
 def _check_entries(mapping: Mapping, evidence: Evidence) -> None:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
 from gen.importing.guessing.names import AMBIENT, PARTS, carried
 from gen.importing.numbers import Parsed, parse
-from gen.importing.table import Column, FloatArray, Table
+from gen.importing.table import Column, FloatArray, IntArray, Table
 from gen.importing.units import TEMPERATURE, Unit, split_name, unit_of
 
 _LEAST_NUMBERS = 0.2
@@ -115,6 +116,11 @@ class Facts:
         return [cell for column in self.columns if isinstance(column.cells, list) for cell in column.cells]
 
     @cached_property
+    def times_read(self) -> dict[tuple[int | str, ...], IntArray]:
+        """Times of each table, once they were read, by the table and how."""
+        return {}
+
+    @cached_property
     def named(self) -> tuple[str, Unit | None, str]:
         """Name without unit, the unit, and where that was found: "name", "row of units", "values" or nothing."""
         base, unit, where = self._headed
@@ -124,6 +130,20 @@ class Facts:
         if minutes and self.kind == "number" and self.steps.size and (self.steps > 0).all():
             return minutes["base"], unit_of(minutes["unit"]), "name"
         return base, None, ""
+
+    def without(self, numbers: Collection[float]) -> Facts:
+        """The column with nothing where one of these numbers is.
+
+        Parameters
+        ----------
+        numbers
+            As `values` has them.
+        """
+        if not numbers:
+            return self
+        odd = [np.isin(entry.values, list(numbers)) for entry in self.parsed]
+        columns = [_emptied(column, rows) for column, rows in zip(self.columns, odd, strict=True)]
+        return Facts(self.name, columns, self.decimals)
 
     @property
     def in_degrees(self) -> bool:
@@ -146,6 +166,13 @@ class Facts:
         """Median of each table's first five numbers."""
         found = [entry.values[np.isfinite(entry.values)][:5] for entry in self.parsed]
         return np.array([np.median(values) for values in found if values.size])
+
+
+def _emptied(column: Column, rows: NDArray[np.bool_]) -> Column:
+    cells = column.cells
+    if isinstance(cells, list):
+        return replace(column, cells=["" if gone else cell for cell, gone in zip(cells, rows.tolist(), strict=True)])
+    return replace(column, cells=np.where(rows, np.nan, cells))
 
 
 def _parsed(column: Column, mark: str) -> Parsed:

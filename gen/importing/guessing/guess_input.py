@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, P
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
+from gen.importing.odd_inputs import errors_among, glitches_among
 from gen.importing.switches import active_state
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
@@ -67,7 +68,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
         form = InputForm(counts=int(counts), drives=choices.machine)
         return form, [Guess("input", f"pwm = {int(counts)}", CERTAIN, "--input")]
     entry, confidence, why = _column(evidence, choices, reserved)
-    scale = _scale(entry, evidence, choices)
+    entry, scale = _scaled(_sound(entry), evidence, choices)
     sign = _sign(evidence, reserved | {entry.name})
     form = InputForm(column=entry.name, unit=scale.unit, full_scale=scale.full, sign=sign, drives=choices.machine)
     low, high = entry.span
@@ -137,7 +138,7 @@ def _drives(numbers: list[Facts]) -> list[Facts]:
 
 
 def _as_option(entry: Facts) -> str:
-    return f"--input {quoted(entry.name)}{_full_scale(entry)}"
+    return f"--input {quoted(entry.name)}{_full_scale(_plain(entry))}"
 
 
 def _none(numbers: list[Facts], evidence: Evidence) -> str:
@@ -192,6 +193,44 @@ def _round_up(entry: Facts) -> float:
     return float(next(m for m in (1.0, 2.0, 5.0, 10.0) if m * power >= reached) * power)
 
 
+def _sound(entry: Facts) -> Facts:
+    """A column without numbers that stand for an error."""
+    return entry.without(errors_among(entry.values))
+
+
+def _plain(entry: Facts) -> Facts:
+    """A column without those, and without single readings far beyond all others."""
+    sound = _sound(entry)
+    return sound.without(glitches_among(sound.values))
+
+
+def _scaled(entry: Facts, evidence: Evidence, choices: Choices) -> tuple[Facts, _Scale]:
+    """The readings that are believed, and their scale; doubtful where a reading or three would make it another."""
+    glitches = glitches_among(entry.values)
+    plain = entry.without(glitches)
+    scale = _scale(plain, evidence, choices)
+    if not glitches:
+        return entry, scale
+    try:
+        other = _scale(entry, evidence, choices)
+    except InputError:
+        other = None
+    if other is not None and (other.unit, other.full) == (scale.unit, scale.full):
+        return (entry if max(map(abs, entry.span)) <= scale.full else plain), scale
+    place = _place_of(entry, glitches[0], evidence)
+    far = f"{glitches[0]:g} ({place}) is far beyond all others, {spanned(plain)}"
+    sure = scale.confidence if scale.confidence == CERTAIN or "by its name" in scale.why else _EITHER
+    return plain, replace(scale, confidence=sure, why=f"{scale.why}; {far}")
+
+
+def _place_of(entry: Facts, value: float, evidence: Evidence) -> str:
+    for table, parsed in zip(evidence.tables, entry.parsed, strict=True):
+        rows = np.flatnonzero(parsed.values == value)
+        if rows.size:
+            return table.place(int(rows[0]))
+    return ""
+
+
 def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     low, high = entry.span
     reached = max(abs(low), abs(high))
@@ -207,7 +246,7 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
         if unit.quantity == SHARE and not told and full > 1.0 and 0 < reached <= 1.0:
             said = f"in {unit.name} by its name, but {low:g}..{reached:g}, as a share of 1"
             return _Scale(DUTY_SHARE.name, 1.0, _EITHER, said)
-        if reached > full * (1 + 0.5 / FULL):
+        if reached > full * (1 + 0.5 / FULL) and not told:  # else it is refused, with its full scale
             return _Scale(
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
             )

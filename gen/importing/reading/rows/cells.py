@@ -17,6 +17,7 @@ _COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row 
 _STAMPED = re.compile(r"\s*(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*->\s?(.*)")
 _SAMPLE = 400
 _LEAST_CONSISTENT = 0.8
+_LEAST_OF_A_WIDTH = 0.1
 _MOST_LOST = 0.5
 _HEAD_LINES = 20
 
@@ -82,6 +83,12 @@ def guess_delimiter(lines: Sequence[str]) -> tuple[str, str]:
     if best and best[0][1] >= _MOST_LOST * len(sample):
         (delimiter, width), number = best[0]
         return delimiter, f"{DELIMITERS[delimiter]}: {width} columns in {number} of {len(sample)} lines looked at"
+    for delimiter, name in DELIMITERS.items():  # a later header may have other columns
+        fields = Counter(_fields(line, delimiter) for line in sample if _numbers(line, delimiter))
+        widths = [w for w in fields if w > 1 and fields[w] >= _LEAST_OF_A_WIDTH * len(sample)]
+        if sum(fields[w] for w in widths) >= _LEAST_CONSISTENT * len(sample):
+            shown = " or ".join(map(str, sorted(widths)))
+            return delimiter, f"{name}: {shown} columns in most of {len(sample)} lines looked at"
     raise InputError(
         "no delimiter parts its lines into the same number of columns (tried comma, semicolon, tab, pipe, spaces); "
         "expected a table",

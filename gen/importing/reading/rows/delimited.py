@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -12,28 +12,17 @@ from pathlib import Path
 import numpy as np
 
 from gen.errors import InputError
-from gen.importing.clock import is_time
-from gen.importing.guessing.names import TIME
-from gen.importing.numbers import NAN_WORDS, decimal_mark, plain_number, thousands_or_fractions
+from gen.importing.numbers import decimal_mark, thousands_or_fractions
 from gen.importing.reading.rows.annotated import of_one_head
 from gen.importing.reading.rows.broken_off import broken_off
-from gen.importing.reading.rows.cells import DELIMITERS
-from gen.importing.reading.rows.heads import (
-    STATISTIC,
-    is_label,
-    is_units,
-    labelled_head,
-    listed_units,
-    paired_head,
-    parted_decimals,
-    with_labels,
-    with_statistic,
-)
+from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
+from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
+from gen.importing.reading.rows.later_heads import under_one_head
+from gen.importing.reading.rows.named import names_above
 from gen.importing.reading.rows.transposed import upright
 from gen.importing.reading.rows.unit_columns import with_units
 from gen.importing.reading.tagged.prometheus import without_labels
 from gen.importing.table import Column, Counted, Reading, Table, unique_names
-from gen.importing.units import unit_of
 
 _FOUND = 0.95
 """Confidence of a decimal mark that numbers show."""
@@ -47,8 +36,6 @@ _LONGEST_PREAMBLE = 100
 _SHOWN = 40
 _LEAST_SHIFTED = 3
 _MILLIS = 3
-_RULE = re.compile(r"[-=_*~]{2,}")
-"""What stands between a header and its rows, where somebody reads them."""
 _WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 MOST_COLUMNS = 2000
 
@@ -91,11 +78,12 @@ def table_of_rows(
     if lying is not None:
         rows, numbers, word, ended = *lying, "column", True
     rows, numbers = of_one_head(rows, numbers)
+    rows, told = under_one_head(rows, numbers, word)
     width = _width(rows)
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first, names, units = _titled(rows, _first_row(rows, numbers, width, word), width, comments)
-    good, counted = _sorted_out(rows, numbers, first, width, names, word)
+    good, counted = _sorted_out(rows, numbers, first, width, names, told, word)
     if not ended and (cut := broken_off(rows, good, word, numbers[-1])):
         good, counted = good[:-1], [*counted, cut]
     if len(good) < _MOST_LOST * (len(rows) - first):
@@ -151,10 +139,10 @@ def _shifted(names: list[str], units: list[str], cells: Sequence[list[str]]) -> 
 
 def _first_row(rows: Sequence[Sequence[str]], numbers: Sequence[int], width: int, word: str) -> int:
     """Where numbers begin."""
-    for is_one in (_is_data, _is_reading):
+    for is_one in (is_data, is_reading):
         found = next((i for i, row in enumerate(rows) if is_one(row, width)), None)
         if found is not None:
-            while found > 0 and _is_reading(rows[found - 1], width):  # with more words than the first of numbers
+            while found > 0 and is_reading(rows[found - 1], width):  # with more words than the first of numbers
                 found -= 1
             return found
     shown = " | ".join(rows[0])[:_SHOWN] if rows else "nothing"
@@ -171,12 +159,12 @@ def _titled(
     paired = paired_head(rows[:_LONGEST_PREAMBLE], width)
     if paired is not None:
         at, names, units = paired
-        return next((i for i in range(at + 1, len(rows)) if _is_data(rows[i], width)), first), names, units
+        return next((i for i in range(at + 1, len(rows)) if is_data(rows[i], width)), first), names, units
     first = _behind_labels(rows, first, width)
-    names, units = _head(rows[:first], width, comments)
+    names, units = names_above(rows[:first], width, comments)
     if not names:
         first = _behind_a_preamble(rows, first, width)
-        names, units = _head(rows[:first], width, comments)
+        names, units = names_above(rows[:first], width, comments)
     if names and not any(units):
         units = listed_units(rows[:first], comments, names) or units
     return first, with_labels(names, rows[: max(first - _FEW_HEADS, 0)]), units
@@ -209,85 +197,13 @@ def _width(rows: Sequence[Sequence[str]]) -> int:
     return max(wide or counts, key=lambda width: (counts[width], width), default=1)
 
 
-def _is_number(cell: str) -> bool:
-    text = cell.strip()
-    return (
-        plain_number(text) is not None
-        or plain_number(text, ",") is not None
-        or is_time(text)
-        or (text[:1].isdigit() and unit_of(re.sub(r"^[\d.,]+\s*", "", text)) is not None)
-    )
-
-
-def _is_data(row: Sequence[str], width: int) -> bool:
-    if len(row) != width or _numbers_channels(row):
-        return False
-    filled = [cell for cell in row if cell.strip() and cell.strip().casefold() not in NAN_WORDS]
-    return bool(filled) and 2 * sum(map(_is_number, filled)) >= len(filled)
-
-
-def _numbers_channels(row: Sequence[str]) -> bool:
-    """Whether a header calls its channels by whole numbers behind a time: `time,101,102`."""
-    first, *others = (cell.strip() for cell in row)
-    return bool(TIME.fullmatch(first.casefold())) and all(cell.isdigit() for cell in others)
-
-
-def _is_reading(row: Sequence[str], width: int) -> bool:
-    """A row with a time and a number among words: which device's sensor, in what unit."""
-    return len(row) == width and sum(map(_is_number, row)) > 1 and any(is_time(cell.strip()) for cell in row)
-
-
-def _is_head(row: Sequence[str]) -> bool:
-    if _numbers_channels(row):
-        return True
-    filled = [cell for cell in row if cell.strip()]
-    if all(_RULE.fullmatch(cell.strip()) for cell in filled):
-        return False
-    return 2 * len(filled) > len(row) and not any(plain_number(cell.strip()) is not None for cell in filled)
-
-
-def _head(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Names and units; no names where there is no header.
-
-    A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
-    """
-    labelled = labelled_head(before, width)
-    heads = [_padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and _is_head(row)]
-    if labelled is not None and (not heads or is_label(heads[-1][0])):
-        return labelled
-    if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
-        return _under_names(heads)
-    if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
-        return heads[-2], heads[-1]
-    if heads:
-        return heads[-1], [""] * width
-    for text in reversed(comments):  # as numpy.savetxt writes it
-        for delimiter in DELIMITERS:
-            row = text.split() if delimiter == " " else text.split(delimiter)
-            if width > 1 and len(row) == width and _is_head(row) and ":" not in row[0]:
-                return [cell.strip() for cell in row], [""] * width
-    return [], [""] * width
-
-
-def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
-    """Names and units where the last line only says which value of an interval a column holds: `Min`, `Max`."""
-    *above, last = heads
-    names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
-    units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
-    made = [
-        with_statistic(name.strip(), cell) if STATISTIC.fullmatch(cell.strip()) else cell or name
-        for name, cell in zip(names, last, strict=True)
-    ]
-    return made, [unit if unit_of(unit) else "" for unit in units]
-
-
 def _behind_a_preamble(rows: Sequence[list[str]], first: int, width: int) -> int:
     """The first row of the table where lines of a preamble (`Samples 120`) look like rows: behind a later header."""
     for i in range(first, min(first + _LONGEST_PREAMBLE, len(rows))):
-        if not _is_data(rows[i], width):
+        if not is_data(rows[i], width):
             continue
-        if _is_number(rows[i][0]):
-            return i if i > first and abs(len(rows[i - 1]) - width) <= 1 and _is_head(rows[i - 1]) else first
+        if is_number(rows[i][0]):
+            return i if i > first and abs(len(rows[i - 1]) - width) <= 1 and is_head(rows[i - 1]) else first
     return first
 
 
@@ -297,16 +213,18 @@ def _behind_labels(rows: Sequence[list[str]], first: int, width: int) -> int:
         return first
     behind = [row[0].strip() for row in rows[first : first + _HEAD_LINES] if len(row) == width]
     labels = next((i for i, cell in enumerate(behind) if not cell), 0)
-    told = all(re.search(r"[^\W\d_]", cell) and not _is_number(cell) for cell in behind[:labels])
+    told = all(re.search(r"[^\W\d_]", cell) and not is_number(cell) for cell in behind[:labels])
     return first + labels if told and not any(behind[labels:]) else first
 
 
-def _padded(row: list[str], width: int) -> list[str]:
-    return [*row, *[""] * (width - len(row))][:width]
-
-
 def _sorted_out(
-    rows: Sequence[list[str]], numbers: Sequence[int], first: int, width: int, names: Sequence[str], word: str
+    rows: Sequence[list[str]],
+    numbers: Sequence[int],
+    first: int,
+    width: int,
+    names: Sequence[str],
+    told: Mapping[int, str],
+    word: str,
 ) -> tuple[list[int], list[Counted]]:
     """Rows that are some, and what the others are."""
     good: list[int] = []
@@ -314,7 +232,9 @@ def _sorted_out(
     head = [name.strip() for name in names]
     for i in range(first, len(rows)):
         row = rows[i]
-        if head and row and row[0].strip() == head[0] and [cell.strip() for cell in row] == head:
+        if i in told:
+            others.setdefault(told[i], []).append(i)
+        elif head and row and row[0].strip() == head[0] and [cell.strip() for cell in row] == head:
             others.setdefault("repeated header", []).append(i)
         elif len(row) == width and (row[0][:1].isdigit() or any(map(_may_be_number, row))):
             good.append(i)

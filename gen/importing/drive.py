@@ -1,0 +1,100 @@
+"""The input of every row of a table, in counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as Named
+
+import numpy as np
+
+from gen.errors import InputError
+from gen.importing.converted import Converted, count_units_apart
+from gen.importing.guessing.evidence import Evidence
+from gen.importing.mapping import InputForm, Mapping
+from gen.importing.odd_inputs import errors_among, glitches_among
+from gen.importing.table import FloatArray
+from gen.importing.units import unit_of
+
+_FULL = 255
+_HALF_A_COUNT = 0.5
+
+
+def odd_of(evidence: Evidence, mapping: Mapping) -> dict[float, str]:
+    """Numbers in the input's column that are none of the input, and what they are.
+
+    Parameters
+    ----------
+    evidence
+        Of the rows that have a time.
+    mapping
+        What the columns are.
+    """
+    form = mapping.input
+    if form.counts is not None or mapping.overflow == "keep":
+        return {}
+    facts, unit = evidence.facts[form.column], unit_of(form.unit)
+    values = np.concatenate([facts.parsed_in(i, unit).values for i in range(len(evidence.tables))])
+    values = values[np.isfinite(values)]
+    found = errors_among(values)
+    beyond = [value for value in glitches_among(values[~np.isin(values, list(found))]) if _beyond(value, form)]
+    return found | dict.fromkeys(beyond, "far beyond all others, and the full scale")
+
+
+def drive_of(
+    evidence: Evidence, index: int, form: InputForm, time: FloatArray, odd: Named[float, str], made: Converted
+) -> FloatArray:
+    """The input in counts, not rounded, NaN where it is missing.
+
+    Parameters
+    ----------
+    evidence, index
+        The table among those of its header.
+    form
+        What the input is.
+    time
+        Of each row, NaN where it has none.
+    odd
+        Numbers that are none of the input, from :func:`odd_of`.
+    made
+        Told what was found.
+
+    Raises
+    ------
+    InputError
+        Without a file name, with the place: the input exceeds its full scale.
+    """
+    table = made.table
+    if form.counts is not None:
+        return np.full(table.rows, float(form.counts))
+    facts = evidence.facts[form.column]
+    parsed = facts.parsed_in(index, unit_of(form.unit))
+    count_units_apart(facts, parsed, form.unit, made)
+    made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
+    made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
+    found = parsed.values.copy()
+    for value, words in odd.items():
+        rows = np.flatnonzero(found == value)
+        made.count(f"{value:g} ({words}), no input", rows, form.column)
+        found[rows] = np.nan
+    values = found / form.full_scale * _FULL
+    if form.sign:
+        sign = evidence.facts[form.sign].parsed[index].values
+        values = values * np.where(sign < 0, -1.0, 1.0)
+    in_time = np.where(np.isfinite(time), found, np.nan)
+    beyond = np.flatnonzero(np.abs(in_time) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT)
+    if beyond.size:
+        raise InputError(
+            f"found {found[beyond[0]]:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected "
+            f"--full-scale of at least {np.nanmax(np.abs(in_time)):g}, or --unit",
+            place=table.place(int(beyond[0]), form.column),
+        )
+    reached = float(np.nanmax(np.abs(in_time))) if np.isfinite(in_time).any() else 0.0
+    if 0.0 < reached < _HALF_A_COUNT * form.full_scale / _FULL:
+        made.warnings.append(
+            f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {_FULL} at a full "
+            f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
+        )
+    return np.asarray(values)
+
+
+def _beyond(value: float, form: InputForm) -> bool:
+    return abs(value) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT

@@ -1,0 +1,54 @@
+"""Names and units of columns, by the lines above the first row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gen.importing.reading.rows.cells import DELIMITERS
+from gen.importing.reading.rows.heads import STATISTIC, is_label, is_units, labelled_head, with_statistic
+from gen.importing.reading.rows.kinds import is_head, padded
+from gen.importing.units import unit_of
+
+
+def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names and units of columns; no names where there is no header.
+
+    A header may lack the last name, or have one more: a column of comments that no row has (LabVIEW's files).
+
+    Parameters
+    ----------
+    before
+        Lines above the first row.
+    width
+        Of a row.
+    comments
+        The comment lines.
+    """
+    labelled = labelled_head(before, width)
+    heads = [padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and is_head(row)]
+    if labelled is not None and (not heads or is_label(heads[-1][0])):
+        return labelled
+    if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
+        return _under_names(heads)
+    if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
+        return heads[-2], heads[-1]
+    if heads:
+        return heads[-1], [""] * width
+    for text in reversed(comments):  # as numpy.savetxt writes it
+        for delimiter in DELIMITERS:
+            row = text.split() if delimiter == " " else text.split(delimiter)
+            if width > 1 and len(row) == width and is_head(row) and ":" not in row[0]:
+                return [cell.strip() for cell in row], [""] * width
+    return [], [""] * width
+
+
+def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:
+    """Names and units where the last line only says which value of an interval a column holds: `Min`, `Max`."""
+    *above, last = heads
+    names = next((row for row in reversed(above) if not is_units(row)), [""] * len(last))
+    units = next((row for row in reversed(above) if is_units(row)), [""] * len(last))
+    made = [
+        with_statistic(name.strip(), cell) if STATISTIC.fullmatch(cell.strip()) else cell or name
+        for name, cell in zip(names, last, strict=True)
+    ]
+    return made, [unit if unit_of(unit) else "" for unit in units]
