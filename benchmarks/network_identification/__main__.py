@@ -43,6 +43,9 @@ def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--model", choices=MODELS, default="parts")
     parser.add_argument("--data", type=partial(_kinds, DataKind), default=tuple(DataKind), help="steps,mixed,...")
     parser.add_argument("--room", type=partial(_kinds, RoomKind), default=tuple(RoomKind), help="held,moving,...")
+    parser.add_argument(
+        "--disturbed", type=float, default=0.0, help="K by which what no log holds moves the parts slowly"
+    )
     parser.add_argument("--first", type=int, help="only as many cases of the matrix")
     parser.add_argument("--jobs", type=int, choices=(1, 2), default=1, help="processes")
     parser.add_argument("--json", type=Path, help="write every case and the table here, after each case anew")
@@ -58,21 +61,22 @@ def _kinds(kind: type[DataKind] | type[RoomKind], text: str) -> tuple[DataKind |
     return tuple(kind(word) for word in text.split(","))
 
 
-def in_a_folder(case: Case, models: Sequence[str], keep: Path | None = None) -> list[Judged]:
+def in_a_folder(case: Case, models: Sequence[str], keep: Path | None = None, disturbed_K: float = 0.0) -> list[Judged]:
     """Judge a case in a folder of its own; its files are written once for all models."""
     with tempfile.TemporaryDirectory(prefix="plants-") as name:
         folder = keep or Path(name)
         folder.mkdir(parents=True, exist_ok=True)
         try:
-            written = write_case(case, folder)
+            written = write_case(case, folder, disturbed_K)
         except Exception as error:  # the plant's own fault; the case still counts
             return _raised(models, case, error)
         return [judge(written, model, folder) for model in models]
 
 
-def judged(cases: Sequence[Case], models: Sequence[str], jobs: int) -> Iterator[list[Judged]]:
+def judged(cases: Sequence[Case], models: Sequence[str], jobs: int, disturbed_K: float = 0.0) -> Iterator[list[Judged]]:
     """Judge cases, in their order; those whose process dies are told as raised."""
-    return in_order(cases, partial(in_a_folder, models=models), partial(_raised, models), jobs)
+    one = partial(in_a_folder, models=models, disturbed_K=disturbed_K)
+    return in_order(cases, one, partial(_raised, models), jobs)
 
 
 def _raised(models: Sequence[str], case: Case, error: Exception) -> list[Judged]:
@@ -90,7 +94,7 @@ def main() -> None:
     options = options_of()
     models = MODELS[options.model]
     if options.case:
-        found = in_a_folder(options.case, models, options.keep)
+        found = in_a_folder(options.case, models, options.keep, options.disturbed)
         made = as_json(found)
         if options.keep:
             (options.keep / "judged.json").write_text(made, encoding="utf-8")
@@ -100,7 +104,7 @@ def main() -> None:
         return
     cases = matrix(range(options.seed, options.seed + options.plants), options.data, options.room)[: options.first]
     results: list[Judged] = []
-    for number, found in enumerate(judged(cases, models, options.jobs), start=1):
+    for number, found in enumerate(judged(cases, models, options.jobs, options.disturbed), start=1):
         results += found
         for one in found:
             print(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from benchmarks.plants.course import LEAD_S, Course, course
 from benchmarks.plants.decoys import CHANNELS, decoys, electric
+from benchmarks.plants.disturbance import disturbance
 from benchmarks.plants.draw import random_plant
 from benchmarks.plants.files import write
 from benchmarks.plants.plant import Plant
@@ -179,16 +180,37 @@ class Written:
     floor_K: float
 
 
-def write_case(case: Case, folder: Path) -> Written:
-    """Write a case's run files into a folder."""
+def write_case(case: Case, folder: Path, disturbed_K: float = 0.0) -> Written:
+    """Write a case's run files into a folder.
+
+    Parameters
+    ----------
+    case
+        Which.
+    folder
+        Where.
+    disturbed_K
+        Standard deviation of a slow disturbance of all but the test runs, K.
+    """
     stand = bench(case.seed)
     runs = [measure(stand, profile, case.room) for profile in fitted(case.data, profile_chance(stand))]
+    if disturbed_K > 0.0:
+        runs = [_disturbed(stand, run, disturbed_K) for run in runs]
     trials = fresh_runs(stand, case.room)
     paths: list[Path] = []
     for measured in (*runs, *trials):
         paths.append(folder / f"{measured.profile.name}.csv")
         write(paths[-1], measured.columns, measured.notes)
     return Written(case, stand, tuple(paths[: len(runs)]), tuple(paths[len(runs) :]), floor(stand.plant, trials))
+
+
+def _disturbed(stand: Bench, run: Measured, size_K: float) -> Measured:
+    """The same with all readings of the motor's parts off by something slow."""
+    time_s = np.asarray(run.columns["time_s"], dtype=np.float64)
+    names = [f"{stand.plant.names[node]}_degC" for node in stand.plant.sensed]
+    added = size_K * disturbance(time_s, len(names), stand.chance("disturbance", run.profile.name))
+    columns = {name: np.asarray(run.columns[name] + added[:, k]) for k, name in enumerate(names)}
+    return replace(run, columns={**run.columns, **columns})
 
 
 def profile_chance(stand: Bench) -> Callable[[str], np.random.Generator]:

@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from gen.identification.network.fitting.bends import BEND
-from gen.identification.network.fitting.weights import windows
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.weights import slow_density, windows
 from gen.identification.network.search import Found
 
 STIFF = BEND / 8.0
@@ -31,20 +32,29 @@ that lacks something makes up for it by another room."""
 
 def clearly_better(one: Found, other: Found) -> bool:
     """Whether the evidence is clearly for one of two networks."""
-    return against(other) - against(one) >= CLEAR
+    return in_favour(one, other) >= CLEAR
 
 
 def likely(natural: Found, without: Found) -> bool:
     """Whether natural convection is taken: by the evidence, and by what is known before any run."""
-    return against(natural) - against(without) <= EXPECTED
+    return in_favour(without, natural) <= EXPECTED
 
 
 def plainly_warm(in_any_room: Found, in_its_room: Found) -> bool:
     """Whether runs that are taken to have begun cold did not, although they begin at one level."""
-    return against(in_its_room) - against(in_any_room) > WARM
+    return in_favour(in_any_room, in_its_room) > WARM
 
 
-def against(found: Found) -> float:
+def in_favour(one: Found, other: Found) -> float:
+    """Give twice the logarithm of the evidence's ratio of two networks of the same readings, for the first.
+
+    Both are held against as many independent means: of the windows that the slower of their errors asks for.
+    """
+    lengths_s = np.maximum(*(slow_density(it.problem.inputs, it.fit.evaluated.residual)[1] for it in (one, other)))
+    return _against(other, lengths_s) - _against(one, lengths_s)
+
+
+def _against(found: Found, lengths_s: FloatArray) -> float:
     """Give minus twice the logarithm of the evidence but for a constant, by Laplace's approximation at the minimum.
 
     Readings are taken as means over windows that are independent of each other (see `weights`), whose variance is the
@@ -53,4 +63,5 @@ def against(found: Found) -> float:
     problem = found.problem
     matrix, _ = problem.assembled(found.fit.normal, found.vector)
     wide = float(np.linalg.slogdet(matrix)[1] - np.linalg.slogdet(problem.prior.precision)[1])
-    return problem.penalty(found.vector) + wide + float(np.sum(windows(problem.inputs) * np.log(found.density)))
+    count = windows(problem.inputs, lengths_s)
+    return problem.penalty(found.vector) + wide + float(np.sum(count * np.log(found.density)))

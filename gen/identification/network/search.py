@@ -16,7 +16,7 @@ from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.structure import Structure
-from gen.identification.network.fitting.weights import density, weights
+from gen.identification.network.fitting.weights import slow_density, weights
 from gen.identification.network.starts import from_parts, in_roles, taken_over
 from gen.side_by_side import side_by_side
 
@@ -198,7 +198,7 @@ def tightened(problem: Problem[Structure], start: FloatArray, of: FloatArray, mo
         problem = problem.weighed(weights(problem.inputs, of))
         fit = settle(problem, start, most if number == 0 else max(most // 2, 4))
         start = fit.vector
-        own = density(problem.inputs, fit.evaluated.residual)
+        own, _ = slow_density(problem.inputs, fit.evaluated.residual)
         if np.all(np.abs(np.log(own / of)) < SAME):
             break
         of = own

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from gen.identification.network.evidence import CLEAR, STIFF, against
+from gen.identification.network.evidence import CLEAR, STIFF, in_favour
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.scale import scale_of
 from gen.identification.network.identify import NetworkFound
@@ -72,7 +72,7 @@ def test_a_curve_that_hardly_bends_is_held_for_as_uncertain_as_one_that_may(
 
 
 def test_the_evidence_is_the_integral_over_the_parameters(smooth: NetworkFound, bending: Found) -> None:
-    by_laplace = 0.5 * (against(bending) - against(smooth.found))
+    by_laplace = 0.5 * in_favour(smooth.found, bending)
     by_chance = by_laplace + beyond_laplace(smooth.found) - beyond_laplace(bending)
     assert by_laplace > 0.5 * CLEAR
     assert 0.7 * by_laplace < by_chance < 1.5 * by_laplace
