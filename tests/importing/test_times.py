@@ -316,6 +316,15 @@ def test_newest_first_is_turned_round_when_that_is_said(tmp_path: Path, split: b
     np.testing.assert_allclose(taken(log, tmp_path / "out", sort=True, split=split).time_s, np.arange(120.0))
 
 
+def test_of_an_export_newest_first_what_it_begins_with_is_its_end(tmp_path: Path) -> None:
+    """Temperatures without a unit: begun at 60, they might be degF."""
+    frame = truth(400, 1.0).rename(columns={name: name.removesuffix("_degC") for name in truth().columns})
+    stamps = pd.Timestamp("2026-03-12 14:05:00") + pd.to_timedelta(frame.pop("time_s"), unit="s")
+    frame = frame.assign(pwm=204, time=stamps)[::-1]
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "out", sort=True)
+    np.testing.assert_allclose(run.temps["winding"], truth(400, 1.0).winding_degC)
+
+
 @pytest.mark.parametrize(
     ("step", "units"),
     [

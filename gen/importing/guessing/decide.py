@@ -123,7 +123,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     reserved = {runs} - {""}
     time, said = decide_time(evidence, choices)
     guesses += said
-    everything, evidence = evidence, of_timed_rows(evidence, time)
+    everything, evidence = evidence, of_timed_rows(evidence, time, in_order=choices.sort)
     try:
         drive, said = decide_input(evidence, choices, reserved | set(time.columns))
     except InputError as error:

@@ -1,4 +1,4 @@
-"""The rows that can be in a run: sums and means below a log have no time, and tell nothing of what its columns are."""
+"""Rows as they can be in a run: sums and means below a log have no time, and tell nothing of what its columns are."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from gen.errors import InputError
 from gen.importing.converted import Converted
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.mapping import TimeForm
-from gen.importing.table import Column, Table
+from gen.importing.table import Column, FloatArray, Table
 from gen.importing.timing import timed
 
 
-def of_timed_rows(evidence: Evidence, form: TimeForm) -> Evidence:
+def of_timed_rows(evidence: Evidence, form: TimeForm, *, in_order: bool = False) -> Evidence:
     """The columns in the rows that have a time; in all of them where that is none of these.
 
     Parameters
@@ -24,18 +24,26 @@ def of_timed_rows(evidence: Evidence, form: TimeForm) -> Evidence:
         The columns.
     form
         What the time is.
+    in_order
+        Put the rows in the order of their times: what an export newest first begins with is its end.
     """
     try:
-        known = [np.isfinite(timed(evidence, i, form, Converted(t))[0]) for i, t in enumerate(evidence.tables)]
+        times = [timed(evidence, i, form, Converted(t))[0] for i, t in enumerate(evidence.tables)]
     except InputError:
         return evidence  # which is told when rows are made
-    if all(rows.all() for rows in known) or not all(rows.any() for rows in known):
+    rows = [_kept(time, in_order) for time in times]
+    as_they_are = all(np.array_equal(kept, np.arange(time.size)) for kept, time in zip(rows, times, strict=True))
+    if as_they_are or not all(kept.size for kept in rows):
         return evidence
-    return Evidence([_rows(table, rows) for table, rows in zip(evidence.tables, known, strict=True)])
+    return Evidence([_rows(table, kept) for table, kept in zip(evidence.tables, rows, strict=True)])
 
 
-def _rows(table: Table, known: NDArray[np.bool_]) -> Table:
-    kept = np.flatnonzero(known)
+def _kept(time: FloatArray, in_order: bool) -> NDArray[np.int64]:
+    known = np.flatnonzero(np.isfinite(time))
+    return known[np.argsort(time[known], kind="stable")] if in_order else known
+
+
+def _rows(table: Table, kept: NDArray[np.int64]) -> Table:
     return replace(table, columns=[_cells(column, kept) for column in table.columns], places=table.places[kept])
 
 
