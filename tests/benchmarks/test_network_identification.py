@@ -176,6 +176,16 @@ def made(case: str, floors: float, model: str = "parts", **more: Any) -> Judged:
     return Judged(case, model, floor_K=0.3, error_K=0.3 * floors, by_run=by_run(0.3 * floors), nodes=4, **more)
 
 
+def test_only_what_a_model_is_made_from_is_disturbed(files: Written, tmp_path: Path) -> None:
+    other, parts = write_case(CASE, tmp_path, disturbed_K=2.0), [f"{name}_degC" for name in names(files)]
+    for number, (plain, moved) in enumerate(zip((*files.fit, *files.test), (*other.fit, *other.test), strict=True)):
+        before, after = (pd.read_csv(path, comment="#") for path in (plain, moved))
+        apart = float((after[parts] - before[parts]).abs().max().min())
+        assert apart > 0.5 if number < len(files.fit) else apart == 0.0
+        assert before.drop(columns=parts).equals(after.drop(columns=parts))
+    assert other.floor_K == files.floor_K
+
+
 @pytest.mark.parametrize(("seed", "rests"), [(1837, False), (1838, True)])
 def test_who_rested_is_told_by_what_the_runs_hold(seed: int, rests: bool, tmp_path: Path) -> None:
     case = Case(seed, DataKind.MIXED, RoomKind.HELD)
@@ -226,18 +236,31 @@ def test_the_command_judges_the_cases_that_were_asked_for(
 ) -> None:
     asked: list[str] = []
 
-    def answer(case: Case, models: list[str]) -> list[Judged]:
-        asked.append(str(case))
+    def answer(case: Case, models: list[str], disturbed_K: float) -> list[Judged]:
+        asked.append(f"{case}:{disturbed_K:g}")
         return [made(str(case), 1.0, model) for model in models]
 
     monkeypatch.setattr(command, "in_a_folder", answer)
     out = tmp_path / "made" / "table.json"
-    arguments = ["--plants", "2", "--seed", "7", "--data", "steps,long", "--room", "moving", "--json", str(out)]
+    arguments = [
+        "--plants",
+        "2",
+        "--seed",
+        "7",
+        "--data",
+        "steps,long",
+        "--room",
+        "moving",
+        "--disturbed",
+        "1.5",
+        "--json",
+        str(out),
+    ]
     monkeypatch.setattr("sys.argv", ["network_identification", *arguments])
     command.main()
-    assert asked == ["7:steps:moving", "7:long:moving", "8:steps:moving", "8:long:moving"]
+    assert asked == [f"{case}:moving:1.5" for case in ("7:steps", "7:long", "8:steps", "8:long")]
     written = json.loads(out.read_text(encoding="utf-8"))
-    assert [entry["case"] for entry in written["cases"]] == asked
+    assert [f"{entry['case']}:1.5" for entry in written["cases"]] == asked
     assert [(row["data"], row["cases"]) for row in written["table"]] == [("steps", 2), ("long", 2)]
     assert written["cases"][0]["message"] == ""
     assert "parts    steps      moving          2" in capsys.readouterr().out
@@ -258,7 +281,7 @@ def test_one_case_is_left_to_look_at(
 
 
 def test_a_plant_that_cannot_be_written_is_counted_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def fails(case: Case, folder: Path) -> Written:
+    def fails(case: Case, folder: Path, disturbed_K: float) -> Written:
         raise RuntimeError("no plant within the limits")
 
     monkeypatch.setattr(command, "write_case", fails)
