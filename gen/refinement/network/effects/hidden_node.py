@@ -32,6 +32,7 @@ class HiddenNode(NetworkEffect):
     def __init__(self, motor: Motor, node: int, *, outside: bool) -> None:
         self.component = motor.names[node]
         self._node, self._columns = node, motor.columns
+        self._typical_J_per_K = motor.typical_J_per_K
         g, c, p = motor.typical_W_per_K, motor.typical_J_per_K, motor.typical_W
 
         def by_log(name: str, start: float, mean: float, deviation: float, most: float = 1e9) -> Number:
@@ -66,6 +67,10 @@ class HiddenNode(NetworkEffect):
     def follows_within_s(self, values: Sequence[float]) -> float:
         """Give its time constant beside its node and the ambient, s."""
         return values[0] / (values[1] + values[2])
+
+    def mass(self, values: Sequence[float]) -> float:
+        """Give its capacity, over what the motor's nodes usually have."""
+        return values[0] / self._typical_J_per_K
 
     def heat_W(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
         """Give what of its heat goes into its node at speeds, W, shape (L,); the rest goes to the ambient."""
