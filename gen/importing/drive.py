@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping as Named
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.errors import InputError
 from gen.importing.converted import Converted, count_units_apart
@@ -35,8 +36,10 @@ def odd_of(evidence: Evidence, mapping: Mapping) -> dict[float, str]:
     values = np.concatenate([facts.parsed_in(i, unit).values for i in range(len(evidence.tables))])
     values = values[np.isfinite(values)]
     found = errors_among(values)
-    beyond = [value for value in glitches_among(values[~np.isin(values, list(found))]) if _beyond(value, form)]
-    return found | dict.fromkeys(beyond, "far beyond all others, and the full scale")
+    glitches = np.array(glitches_among(values[~np.isin(values, list(found))]))
+    return found | dict.fromkeys(
+        glitches[_beyond(glitches, form)].tolist(), "far beyond all others, and the full scale"
+    )
 
 
 def drive_of(
@@ -80,7 +83,7 @@ def drive_of(
         sign = evidence.facts[form.sign].parsed[index].values
         values = values * np.where(sign < 0, -1.0, 1.0)
     in_time = np.where(np.isfinite(time), found, np.nan)
-    beyond = np.flatnonzero(np.abs(in_time) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT)
+    beyond = np.flatnonzero(_beyond(in_time, form))
     if beyond.size:
         raise InputError(
             f"found {found[beyond[0]]:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected "
@@ -96,5 +99,6 @@ def drive_of(
     return np.asarray(values)
 
 
-def _beyond(value: float, form: InputForm) -> bool:
-    return abs(value) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT
+def _beyond(values: FloatArray, form: InputForm) -> NDArray[np.bool_]:
+    """Which values exceed the full scale by more than a count's rounding."""
+    return np.asarray(np.abs(values) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from numpy.typing import NDArray
 
 from gen.errors import InputError
 from gen.importing.converted import Converted
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.mapping import TimeForm
-from gen.importing.table import Column, FloatArray, Table
+from gen.importing.table import FloatArray, IntArray
 from gen.importing.timing import timed
 
 
@@ -35,18 +32,9 @@ def of_timed_rows(evidence: Evidence, form: TimeForm, *, in_order: bool = False)
     as_they_are = all(np.array_equal(kept, np.arange(time.size)) for kept, time in zip(rows, times, strict=True))
     if as_they_are or not all(kept.size for kept in rows):
         return evidence
-    return Evidence([_rows(table, kept) for table, kept in zip(evidence.tables, rows, strict=True)])
+    return Evidence([table.of_rows(kept) for table, kept in zip(evidence.tables, rows, strict=True)])
 
 
-def _kept(time: FloatArray, in_order: bool) -> NDArray[np.int64]:
+def _kept(time: FloatArray, in_order: bool) -> IntArray:
     known = np.flatnonzero(np.isfinite(time))
     return known[np.argsort(time[known], kind="stable")] if in_order else known
-
-
-def _rows(table: Table, kept: NDArray[np.int64]) -> Table:
-    return replace(table, columns=[_cells(column, kept) for column in table.columns], places=table.places[kept])
-
-
-def _cells(column: Column, kept: NDArray[np.int64]) -> Column:
-    cells = column.cells
-    return replace(column, cells=[cells[i] for i in kept.tolist()] if isinstance(cells, list) else cells[kept])
