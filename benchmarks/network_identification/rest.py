@@ -4,6 +4,7 @@
 true plants, whose conductances at PWM 0 are those of the slowest PWM measured, all times one factor. So everything but
 rest is known exactly, laws and sensors' lag aside; steps at |PWM| of 20 % and more cannot tell the factor. The row with
 the lowest 90 % is the best that any method can do which takes one factor for all motors, and takes it from the answer.
+``--data mixed`` takes only those of the motors that never rested in the steps and mixed runs of the table.
 """
 
 from __future__ import annotations
@@ -15,10 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.plants.cases import Bench, bench, floor, fresh_runs
+from benchmarks.network_identification.table import GOOD, rested
+from benchmarks.plants.cases import Bench, Case, bench, floor, fresh_runs
 from benchmarks.plants.course import course
 from benchmarks.plants.plant import FollowedRates, Plant
-from benchmarks.plants.profiles import STEP_LEVELS
+from benchmarks.plants.profiles import STEP_LEVELS, DataKind
 from benchmarks.plants.rooms import RoomKind
 
 FloatArray = NDArray[np.float64]
@@ -66,9 +68,9 @@ class Guessed:
         return running.rates
 
 
-def errors(stand: Bench) -> list[float]:
-    """Error on the test runs for each factor, in noise floors."""
-    runs = fresh_runs(stand, RoomKind.HELD)
+def errors(stand: Bench, room: RoomKind) -> list[float]:
+    """Error on the test runs in such a room for each factor, in noise floors."""
+    runs = fresh_runs(stand, room)
     own = floor(stand.plant, runs)
     made = []
     for factor in FACTORS:
@@ -92,14 +94,19 @@ def main() -> None:
     )
     parser.add_argument("--plants", type=int, default=12, help="how many")
     parser.add_argument("--seed", type=int, default=400, help="of the first plant; the others follow")
+    parser.add_argument(
+        "--data", choices=[DataKind.STEPS, DataKind.MIXED], default=DataKind.STEPS, help="which motors: that never rest in"
+    )
+    parser.add_argument("--room", choices=[RoomKind.HELD, RoomKind.MOVING], default=RoomKind.HELD, help="of the tests")
     options = parser.parse_args()
-    seeds = range(options.seed, options.seed + options.plants)
-    table = np.array([errors(bench(seed)) for seed in seeds])
-    print(f"the true motors, their conductances at rest guessed, {options.plants} plants: error in noise floors")
-    print("at rest / at the slowest step  median  90%  worst")
+    room = RoomKind(options.room)
+    cases = [Case(seed, DataKind(options.data), room) for seed in range(options.seed, options.seed + options.plants)]
+    table = np.array([errors(bench(case.seed), room) for case in cases if not rested(case)])
+    print(f"the true motors, their conductances at rest guessed, {len(table)} plants: error in noise floors")
+    print(f"at rest / at the slowest step  median  90%   worst  at most {GOOD}")
     for factor, column in zip(FACTORS, table.T, strict=True):
         low, high, worst = np.median(column), np.quantile(column, 0.9), column.max()
-        print(f"{factor:<29g}  {low:<6.2f}  {high:<4.2f}  {worst:.2f}")
+        print(f"{factor:<29g}  {low:<6.2f}  {high:<4.2f}  {worst:<5.2f}  {np.mean(column <= GOOD):.0%}")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -159,6 +159,24 @@ def test_what_grows_over_several_runs_is_no_change_at_one_time() -> None:
     assert stepped(by_and_by, 0.4, 0.0).pattern == "grows"
     assert stepped(at_once, 0.2, 0.0).pattern == "since"
     assert stepped((-0.8, 0.8), 0.2, 0.0).pattern == "since"  # two runs: between them, for all that is known
+
+
+def test_wear_that_is_seen_beside_where_it_arises_grows_all_the_same() -> None:
+    """What comes and goes within the runs is more than what they differ by; but that stands in their order."""
+
+    def shaken(levels: Sequence[float]) -> Uneven:
+        def heat_W(speed: FloatArray, chance: np.random.Generator) -> FloatArray:
+            return 1.8 + next(level) + 0.9 * chance.standard_normal(speed.size)
+
+        level = iter(levels)
+        return held(heat_W, len(levels))
+
+    ordered = np.linspace(-0.6, 0.6, 6)
+    assert shaken(ordered).pattern == "grows"
+    assert shaken(ordered[::-1]).pattern == "grows"
+    assert shaken(ordered[[3, 0, 5, 1, 4, 2]]).pattern == "comes and goes"
+    assert shaken(ordered[:4]).pattern == "comes and goes"  # four runs are in one of two orders one time in twelve
+    assert shaken(0.01 * ordered).pattern == "comes and goes"
 
 
 def held(heat_W: Callable[[FloatArray, np.random.Generator], FloatArray], runs: int = 6) -> Uneven:

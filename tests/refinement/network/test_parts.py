@@ -98,22 +98,25 @@ def test_heat_of_the_whole_motor_that_peaks_between_its_speeds_is_no_cover(peak:
 
 
 @pytest.mark.parametrize(
-    ("capacity", "conductance", "exponent", "fault"),
+    ("capacity", "conductance", "power", "exponent", "fault"),
     [
-        (4.0, 0.1, 1.0, True),
-        (4.0, 0.1, 0.0, True),
-        (40.0, 0.1, 1.0, False),
-        (4.0, 0.1, -0.5, False),
-        (200.0, 5.0, 1.0, False),
+        (4.0, 0.1, 1.0, 1.0, True),
+        (4.0, 0.1, 1.0, 0.0, True),
+        (4.0, 0.1, 1.0, -0.5, False),
+        (4.0, 0.01, 1.0, 1.0, True),
+        (100.0, 2.0, 5.0, 1.0, True),
+        (100.0, 0.2, 5.0, 1.0, False),
+        (200.0, 5.0, 0.1, 1.0, False),
     ],
+    ids=["at once", "as much at all speeds", "does not rub", "late", "heavy and hot", "a part", "a mass bolted on"],
 )
-def test_a_part_that_follows_its_node_at_once_is_heat_there(
-    capacity: float, conductance: float, exponent: float, fault: bool
+def test_a_part_that_is_heat_rather_than_mass_has_a_fault_s_pattern(
+    capacity: float, conductance: float, power: float, exponent: float, fault: bool
 ) -> None:
-    """40 s against 400 s; what heats far more the slower it turns does not rub; a mass that is bolted on is no heat."""
     made = data(2)
     network = read(tree()).model.network
     assert network is not None
     motor = Anchored.of(network, 255, made.columns).motor()
-    said = looks_like_a_change(HiddenNode(motor, 0, outside=False), (capacity, conductance, 0.001, 1.0, exponent), made)
+    values = (capacity, conductance, 0.001, power, exponent)
+    said = looks_like_a_change(HiddenNode(motor, 0, outside=False), values, made)
     assert ("winding: its heat has grown" in said) == fault

@@ -88,6 +88,8 @@ class Motor:
         What else drives the motor.
     typical_W, typical_W_per_K, typical_J_per_K
         Whole heat at full speed, median conductance, median capacity.
+    whole_J_per_K
+        Capacity of all nodes.
     usual_degC
         Of each node: where it settles at half speed.
     radiates
@@ -106,6 +108,7 @@ class Motor:
     typical_W: float
     typical_W_per_K: float
     typical_J_per_K: float
+    whole_J_per_K: float
     usual_degC: tuple[float, ...]
     radiates: tuple[int, ...]
 

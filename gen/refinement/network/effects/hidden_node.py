@@ -14,6 +14,9 @@ from gen.refinement.network.effects.base import OWN, Motor, NetworkEffect, Numbe
 from gen.refinement.network.effects.offered import Offered
 
 FASTEST_S, SLOWEST_S = 30.0, 40_000.0
+FIRMLY_S, HEAVY = 5.0, 0.2
+"""A part that is heavier than this many median capacities of the motor's nodes shows by its mass, however firmly it is
+bolted on: only how firmly is not to be seen. A lighter one so quick is heat at its node."""
 LEAST_EXPONENT, MOST_EXPONENT = -0.5, 4.0
 MOST_PARTS, MOST_HEATS = 100.0, 2.0
 """How many median capacities of the motor's nodes it may have, and how many times the motor's whole heat at full speed:
@@ -32,7 +35,7 @@ class HiddenNode(NetworkEffect):
     def __init__(self, motor: Motor, node: int, *, outside: bool) -> None:
         self.component = motor.names[node]
         self._node, self._columns = node, motor.columns
-        self._typical_J_per_K = motor.typical_J_per_K
+        self._motor = motor
         g, c, p = motor.typical_W_per_K, motor.typical_J_per_K, motor.typical_W
 
         def by_log(name: str, start: float, mean: float, deviation: float, most: float = 1e9) -> Number:
@@ -70,7 +73,11 @@ class HiddenNode(NetworkEffect):
 
     def mass(self, values: Sequence[float]) -> float:
         """Give its capacity, over what the motor's nodes usually have."""
-        return values[0] / self._typical_J_per_K
+        return values[0] / self._motor.typical_J_per_K
+
+    def warming(self, values: Sequence[float]) -> float:
+        """Give how fast its heat alone would warm it at full speed, over how fast the motor's would warm the motor."""
+        return (values[3] / values[0]) / (self._motor.typical_W / self._motor.whole_J_per_K)
 
     def heat_W(self, speed: FloatArray, values: Sequence[float]) -> FloatArray:
         """Give what of its heat goes into its node at speeds, W, shape (L,); the rest goes to the ambient."""
@@ -79,7 +86,8 @@ class HiddenNode(NetworkEffect):
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         settles = self.follows_within_s(values)
-        if FASTEST_S < settles < SLOWEST_S:
+        fastest = FIRMLY_S if self.mass(values) > HEAVY else FASTEST_S
+        if fastest < settles < SLOWEST_S:
             return []
         return [f"it would settle within {settles:.0f} s: such runs do not show that"]
 

@@ -125,6 +125,7 @@ def motor_of(
         typical_W=max(total, 1e-6),
         typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
         typical_J_per_K=float(np.median(network.capacities)),
+        whole_J_per_K=float(np.sum(network.capacities)),
         usual_degC=_usual(network, curves.full_scale, order),
         radiates=tuple(excess.radiation_of(network, node) for node in range(len(order))),
     )

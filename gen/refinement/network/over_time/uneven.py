@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
+from scipy.stats import pearsonr
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.network.over_time.courses import Course
@@ -38,6 +39,9 @@ MIDDLE = 0.25
 """Share of what grows for good from which, and to which from its end, the time is taken that it needs."""
 TURNS = 0.9
 """Share of a block in which the motor has to turn: at rest another heat is missing."""
+STEADY, TREND = 0.15, 0.01
+"""Scatter from which, and p-value below which, levels of many runs stand in a line: what wears by and by, at a place
+that only nearly is where its heat arises, scatters within the runs as well."""
 ROUNDS = 20
 Pattern = Literal["even", "comes and goes", "by run", "since", "grows"]
 PARTING: tuple[Pattern, ...] = ("by run", "since", "grows")
@@ -154,6 +158,8 @@ def uneven(courses: Sequence[Course]) -> Uneven | None:
         pattern, since = "even", None
     if pattern == "comes and goes" and _narrowly_even(blocks, mean):
         pattern = "even"
+    if pattern != "since" and scatter >= STEADY and _in_line(levels, blocks.deviation):
+        pattern = "grows"
     return Uneven(pattern, scatter, float(low), float(high), blocks.deviation, levels, since)
 
 
@@ -162,6 +168,13 @@ def _scatter(blocks: _Turning) -> float:
     mean = blocks.mean(blocks.by_speed, blocks.value)
     scatter = max(blocks.square(blocks.value - mean) - blocks.deviation**2, 0.0)
     return float(np.sqrt(scatter / max(blocks.square(mean), 1e-12)))
+
+
+def _in_line(levels: Sequence[float], deviation: float) -> bool:
+    """Whether levels of many runs go one way in their order, by more than how well one block is known."""
+    if len(levels) < MANY or max(levels) - min(levels) <= deviation:
+        return False
+    return bool(pearsonr(np.arange(len(levels)), levels).pvalue < TREND)
 
 
 def _narrowly_even(blocks: _Turning, mean: FloatArray) -> bool:

@@ -21,9 +21,9 @@ were run is that of a resonance, or of a schedule that was wrong there: what cov
 RISES = 0.5
 """What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
 asks for, heat more the faster it turns. A resonance does not."""
-QUICK_S, LIGHT = 60.0, 0.2
-"""A part without a sensor that follows its node sooner, and holds less than this share of what nodes usually do, is
-heat at that node."""
+QUICK_S, WARM, HOT = 100.0, 1.0, 5.0
+"""A part without a sensor is heat rather than mass if its heat would warm it this many times as fast as the motor's
+warms the motor: more than `WARM` where it follows its node sooner than this, `HOT` however late it follows."""
 
 
 def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
@@ -61,8 +61,8 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
 def _grown(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) -> str:
     """By how much heat has grown at every one of ascending speeds, shape (L,); empty where it has not."""
     if isinstance(effect, HiddenNode):
-        at_once = effect.follows_within_s(values) < QUICK_S and effect.mass(values) < LIGHT
-        added_W = effect.heat_W(speed, values) if at_once else np.zeros(1)
+        least = WARM if effect.follows_within_s(values) < QUICK_S else HOT
+        added_W = effect.heat_W(speed, values) if effect.warming(values) > least else np.zeros(1)
         return f"by {added_W.min():.2g} to {added_W.max():.2g} W" if added_W[-1] > 0.0 and not _falls(added_W) else ""
     if not isinstance(effect, ScheduleError):
         return ""
