@@ -85,7 +85,7 @@ def errors(stand: Bench, room: RoomKind) -> list[float]:
     return made
 
 
-def main() -> None:
+def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.network_identification.rest",
@@ -95,10 +95,13 @@ def main() -> None:
     parser.add_argument("--plants", type=int, default=12, help="how many")
     parser.add_argument("--seed", type=int, default=400, help="of the first plant; the others follow")
     parser.add_argument(
-        "--data", choices=[DataKind.STEPS, DataKind.MIXED], default=DataKind.STEPS, help="which motors: that never rest in"
+        "--data",
+        choices=[DataKind.STEPS, DataKind.MIXED],
+        default=DataKind.STEPS,
+        help="which motors: that never rest in",
     )
     parser.add_argument("--room", choices=[RoomKind.HELD, RoomKind.MOVING], default=RoomKind.HELD, help="of the tests")
-    options = parser.parse_args()
+    options = parser.parse_args(argv)
     room = RoomKind(options.room)
     cases = [Case(seed, DataKind(options.data), room) for seed in range(options.seed, options.seed + options.plants)]
     table = np.array([errors(bench(case.seed), room) for case in cases if not rested(case)])

@@ -72,9 +72,15 @@ class StandsFor(Part):
     quantity: Annotated[str, Field(min_length=1, max_length=200, description="Its name, as the log has it.")]
     unit: Annotated[str, Field(min_length=1, max_length=40, description="Of its values.")]
     full_scale: Annotated[Positive, Field(description="Its value at the input's full scale, in that unit.")]
+    rest: Annotated[
+        Annotated[float, Field(allow_inf_nan=False)] | None,
+        Field(description="Its value at 0 counts, in that unit (4 of 4 to 20 mA); left out: 0."),
+    ] = None
 
     @model_validator(mode="after")
     def _check(self) -> StandsFor:
+        if self.rest is not None and self.rest >= self.full_scale:
+            raise fault(f"found {self.rest:g}, expected less than the full scale of {self.full_scale:g}", "rest")
         for key, text in (("quantity", self.quantity), ("unit", self.unit)):
             if not text.isprintable() or not text.strip():
                 raise fault(f"found {text!r}, expected words on one line", key)
@@ -95,7 +101,10 @@ class Input(Part):
     def meaning(self) -> str:
         """What the counts stand for, in words for those who read what is made of the file; empty: a motor's PWM."""
         told = self.stands_for
-        return "" if told is None else f"{told.quantity}: {self.full_scale} counts = {told.full_scale:g} {told.unit}"
+        if told is None:
+            return ""
+        rest = f", 0 counts = {told.rest:g}" if told.rest else ""
+        return f"{told.quantity}: {self.full_scale} counts = {told.full_scale:g} {told.unit}{rest}"
 
 
 class Ambient(Part):

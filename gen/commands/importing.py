@@ -32,6 +32,7 @@ _WIDTH = 140
 @click.option("--time", metavar="COLUMN[,COLUMN]|SECONDS", default="", help="The time, or the interval of the rows.")
 @click.option("--input", "drive", metavar="COLUMN|COUNTS", default="", help="What drives the motor: it becomes pwm.")
 @click.option("--full-scale", type=Finite(0, min_open=True), help="The input's value that is 255 counts, in its unit.")
+@click.option("--rest", type=Finite(), help="The input's value that is 0 counts, as 4 of 4 to 20 mA.  [default: 0]")
 @click.option(
     "--drives",
     type=click.Choice(["motor", "heater"]),
@@ -75,6 +76,7 @@ def import_runs(
     time: str,
     drive: str,
     full_scale: float | None,
+    rest: float | None,
     drives: Literal["motor", "heater"] | None,
     columns: tuple[str, ...],
     units: tuple[str, ...],
@@ -104,6 +106,7 @@ def import_runs(
             time=time,
             input=drive,
             full_scale=full_scale,
+            rest=rest,
             drives=drives or "",
             columns=_pairs(columns, "--column", "OLD=NEW"),
             units=_pairs(units, "--unit", "COLUMN=UNIT"),

@@ -40,7 +40,7 @@ def common_drive(runs: Iterable[tuple[str, Run]]) -> Drive | None:
     Raises
     ------
     InputError
-        For a run that says another quantity, or another full scale, than one before it.
+        For a run that says another quantity, rest, or full scale, than one before it.
     """
     return agreed((path, run.comments) for path, run in runs)
 
@@ -98,5 +98,7 @@ def machine_of(runs: Iterable[tuple[str, Run]]) -> str:
 
 
 def _stands_for(drive: Drive, full_scale: int) -> StandsFor:
-    value = drive.full_scale * full_scale / FULL_COUNTS
-    return StandsFor(quantity=drive.quantity, unit=drive.unit, full_scale=float(f"{value:.6g}"))
+    value = drive.rest + (drive.full_scale - drive.rest) * full_scale / FULL_COUNTS
+    return StandsFor(
+        quantity=drive.quantity, unit=drive.unit, full_scale=float(f"{value:.6g}"), rest=drive.rest or None
+    )

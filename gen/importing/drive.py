@@ -17,6 +17,8 @@ from gen.importing.units import unit_of
 
 _FULL = 255
 _HALF_A_COUNT = 0.5
+_AT_REST = 0.02
+"""Of the full scale, about a rest that is not 0: a signal of 4 to 20 mA rests at 4.02 mA, or at 3.97 mA."""
 
 
 def odd_of(evidence: Evidence, mapping: Mapping) -> dict[float, str]:
@@ -78,7 +80,16 @@ def drive_of(
         rows = np.flatnonzero(found == value)
         made.count(f"{value:g} ({words}), no input", rows, form.column)
         found[rows] = np.nan
-    values = found / form.full_scale * _FULL
+    values = form.counts_of(found)
+    if form.rest:
+        resting = np.abs(values) <= _AT_REST * _FULL
+        made.count(
+            f"within {_AT_REST:.0%} of the rest, taken as at rest",
+            np.flatnonzero(resting & (values != 0.0)),
+            form.column,
+        )
+        made.count("below the rest, taken as backwards", np.flatnonzero(values < -_AT_REST * _FULL), form.column)
+        values[resting] = 0.0
     if form.sign:
         sign = evidence.facts[form.sign].parsed[index].values
         values = values * np.where(sign < 0, -1.0, 1.0)
@@ -86,12 +97,12 @@ def drive_of(
     beyond = np.flatnonzero(_beyond(in_time, form))
     if beyond.size:
         raise InputError(
-            f"found {found[beyond[0]]:g}, more than the full scale of {form.full_scale:g} {form.unit}; expected "
-            f"--full-scale of at least {np.nanmax(np.abs(in_time)):g}, or --unit",
+            f"found {found[beyond[0]]:g}, beyond the full scale of {form.said}; expected "
+            f"--full-scale of at least {np.nanmax(np.abs(in_time - form.rest)) + form.rest:g}, or --unit",
             place=table.place(int(beyond[0]), form.column),
         )
-    reached = float(np.nanmax(np.abs(in_time))) if np.isfinite(in_time).any() else 0.0
-    if 0.0 < reached < _HALF_A_COUNT * form.full_scale / _FULL:
+    reached = float(np.nanmax(np.abs(in_time - form.rest))) if np.isfinite(in_time).any() else 0.0
+    if 0.0 < reached < _HALF_A_COUNT * (form.full_scale - form.rest) / _FULL:
         made.warnings.append(
             f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {_FULL} at a full "
             f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
@@ -101,4 +112,4 @@ def drive_of(
 
 def _beyond(values: FloatArray, form: InputForm) -> NDArray[np.bool_]:
     """Which values exceed the full scale by more than a count's rounding."""
-    return np.asarray(np.abs(values) / form.full_scale * _FULL > _FULL + _HALF_A_COUNT)
+    return np.asarray(np.abs(form.counts_of(values)) > _FULL + _HALF_A_COUNT)

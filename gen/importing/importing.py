@@ -167,6 +167,7 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--time", choices.time),
             ("--input", choices.drive),
             ("--full-scale", choices.full_scale),
+            ("--rest", choices.rest),
             ("--drives", choices.machine),
             ("--column", choices.columns),
             ("--unit", choices.units),

@@ -9,12 +9,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from gen.errors import InputError
 from gen.importing.local import is_zone
 from gen.importing.units import unit_of
-from gen.runs.drive import Machine
+from gen.runs.drive import FULL_COUNTS, Machine
 from gen.version import __version__
 
 DATED = ("timestamp", "date and time")
@@ -63,6 +65,7 @@ class InputForm(_Part):
     column: str = ""
     unit: str = "counts"
     full_scale: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 255.0
+    rest: Annotated[float, Field(allow_inf_nan=False)] = 0.0
     sign: str = ""
     drives: Machine | Literal[""] = ""
     counts: Annotated[int, Field(ge=-255, le=255)] | None = None
@@ -71,7 +74,20 @@ class InputForm(_Part):
     def _one_of_them(self) -> InputForm:
         if bool(self.column) == (self.counts is not None):
             raise ValueError("expected either a column or counts")
+        if self.rest >= self.full_scale:
+            raise ValueError(f"found a rest of {self.rest:g}, expected less than the full scale of {self.full_scale:g}")
         return self
+
+    def counts_of(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Counts that values of the column are, any shape; not rounded."""
+        return (values - self.rest) / (self.full_scale - self.rest) * FULL_COUNTS
+
+    @property
+    def said(self) -> str:
+        """The scale in words."""
+        if self.rest:
+            return f"{self.rest:g} to {self.full_scale:g} {self.unit} = 0 to {FULL_COUNTS}"
+        return f"{self.full_scale:g} {self.unit} = {FULL_COUNTS}"
 
 
 class Entry(_Part):

@@ -24,7 +24,7 @@ def comments_of(made: Converted, mapping: Mapping) -> dict[str, str]:
     comments["mapping"] = "; ".join(shown)
     drive = mapping.input
     if drive.column:
-        comments[COMMENT] = Drive(drive.column, drive.unit, drive.full_scale, drive.sign).text()
+        comments[COMMENT] = Drive(drive.column, drive.unit, drive.full_scale, drive.sign, drive.rest).text()
     else:
         comments[COMMENT] = f"{drive.counts} in all rows"
     if drive.drives:

@@ -88,7 +88,7 @@ _SHARE = re.compile(r"(?:(?P<over>1\s*/\s*\d+)\s*(?P<of>\D.*)|(?P<whole>\D.*?)\s
 """Tenths of a unit: `1/10 °C`, `°C/10`."""
 _PREFIXED = re.compile(r"(?P<prefix>[Mm]illi|[Cc]enti|[Dd]eci|[mcd])[ -]?(?P<unit>(?i:deg ?c|°c|celsius|kelvin)|K)")
 _PREFIXES = {"m": "0.001", "c": "0.01", "d": "0.1"}
-_BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<rest>.*)$")
+_BRACKETED = re.compile(r"^(?P<base>.*?)\s*[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]\s*(?P<after>.*)$")
 _BRACKETED_FROM = re.compile(r"[\(\[<{](?P<unit>[^\)\]>}]*)[\)\]>}]")
 _SPOKEN = re.compile(r"^(?P<base>.*\S)\s*(?:\s(?:in|/)\s|,\s+|\s*/\s*)(?P<unit>\S+)$", re.IGNORECASE)
 _LABEL = re.compile(r"(?:^|[,;]\s*)(?:LBL|label|name)\s*[:=]\s*(?P<label>[^,;]*[^,;\s])", re.IGNORECASE)
@@ -146,7 +146,7 @@ def _last_unit(text: str) -> re.Match[str] | None:
     if not found:
         return None
     at = found[-1].start()
-    return re.match(rf"^(?P<base>.{{{at}}})[\(\[<{{](?P<unit>[^\)\]>}}]*)[\)\]>}}]\s*(?P<rest>.*)$", text)
+    return re.match(rf"^(?P<base>.{{{at}}})[\(\[<{{](?P<unit>[^\)\]>}}]*)[\)\]>}}]\s*(?P<after>.*)$", text)
 
 
 def _labelled(before: str, within: str) -> tuple[str, Unit, str] | None:
@@ -186,8 +186,8 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     labelled = _labelled(bracketed["base"], bracketed["unit"]) if bracketed and not unit_of(bracketed["unit"]) else None
     if labelled is not None:
         return labelled
-    if bracketed and (bracketed["base"] or bracketed["rest"]):
-        base = f"{bracketed['base'].strip()} {bracketed['rest']}".strip()
+    if bracketed and (bracketed["base"] or bracketed["after"]):
+        base = f"{bracketed['base'].strip()} {bracketed['after']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()
     spoken = _SPOKEN.match(text)
     path = spoken is not None and spoken["unit"].casefold() in _ALONE and f"/{spoken['unit']}" in text  # of a topic

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from gen.errors import InputError
-from gen.interface.arguments import a_path, one_of, several
+from gen.interface.arguments import a_path, one_of, several, within
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,6 +79,7 @@ def import_runs(
     time: str = "",
     input: str = "",
     full_scale: float | None = None,
+    rest: float | None = None,
     drives: Literal["", "motor", "heater"] = "",
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -111,6 +112,8 @@ def import_runs(
         What drives the motor: a column, or whole counts that all rows have.
     full_scale
         The input's value that becomes 255 counts, in its own unit.
+    rest
+        The input's value that becomes 0 counts, in its own unit, where that is not 0: 4 of a signal of 4 to 20 mA.
     drives
         What the input drives: a ``motor``, which moves air, or a ``heater``, which does not; nothing: the run files do
         not say it.
@@ -158,6 +161,9 @@ def import_runs(
     one_of("decimal", decimal, ("", ",", "."))
     one_of("drives", drives, ("", "motor", "heater"))
     one_of("duplicates", duplicates, ("", "first", "last", "mean", "spread"))
+    for name, number, least in (("full_scale", full_scale, 1e-9), ("rest", rest, -1e9), ("gap", gap, 1e-9)):
+        if number is not None:
+            within(name, number, least, 1e9)
     paths = [a_path("files", file) for file in several("files", files)]
     folder = a_path("out", out)
     if folder.exists() and not folder.is_dir():
@@ -175,6 +181,7 @@ def import_runs(
         time=time,
         drive=input,
         full_scale=full_scale,
+        rest=rest,
         machine=drives,
         columns=columns or {},
         units=units or {},

@@ -34,9 +34,10 @@ def check_meaning(coefficients: Coefficients, comments: Mapping[str, str], file:
     if told is None or found is None:
         return
     # What 255 counts of the file mean: a run's full scale is 255 always.
-    meant = told.full_scale * FULL_COUNTS / declared.full_scale
+    rest = told.rest or 0.0
+    meant = rest + (told.full_scale - rest) * FULL_COUNTS / declared.full_scale
     close = found.full_scale if isclose(meant, found.full_scale, rel_tol=1e-4) else meant
-    if found.agrees(Drive(told.quantity, told.unit, close)):
+    if found.agrees(Drive(told.quantity, told.unit, close, rest=rest)):
         return
     raise InputError(
         f"found {found.text()}; expected as in the coefficient file's $.input.stands_for, {declared.meaning}",

@@ -21,7 +21,7 @@ MACHINE_COMMENT = "drives"
 Machine = Literal["motor", "heater"]
 """What an input drives: a motor moves air and makes heat in ways of its own, a heater does neither."""
 MACHINES: tuple[Machine, ...] = get_args(Machine)
-_FORM = re.compile(rf"(.+), {FULL_COUNTS} = ([0-9][0-9.e+-]*) (.+?)(?:, sign of (.+))?")
+_FORM = re.compile(rf"(.+), {FULL_COUNTS} = ([0-9][0-9.e+-]*) (.+?)(?:, 0 = (-?[0-9][0-9.e+-]*))?(?:, sign of (.+))?")
 
 
 @dataclass(frozen=True)
@@ -38,31 +38,35 @@ class Drive:
         The value that became 255 counts, in that unit.
     sign
         The column that gave the direction, or nothing.
+    rest
+        The value that became 0 counts, in that unit: 4 of a signal of 4 to 20 mA.
     """
 
     quantity: str
     unit: str
     full_scale: float
     sign: str = ""
+    rest: float = 0.0
 
     @property
     def is_pwm(self) -> bool:
         """Whether it was the PWM itself, in counts: then there is nothing to tell."""
-        return self.unit == COUNTS
+        return self.unit == COUNTS and self.rest == 0.0
 
     def agrees(self, other: Drive) -> bool:
         """Whether counts of both mean the same, as far as runs tell it: names differ between loggers."""
-        alike = (self.unit, self.full_scale) == (other.unit, other.full_scale)
+        alike = (self.unit, self.full_scale, self.rest) == (other.unit, other.full_scale, other.rest)
         return alike or (self._is_whole and other._is_whole)
 
     @property
     def _is_whole(self) -> bool:
-        return WHOLE.get(self.unit) == self.full_scale
+        return WHOLE.get(self.unit) == self.full_scale and self.rest == 0.0
 
     def text(self) -> str:
         """The comment's value."""
         sign = f", sign of {self.sign}" if self.sign else ""
-        return f"{self.quantity}, {FULL_COUNTS} = {self.full_scale:g} {self.unit}{sign}"
+        rest = f", 0 = {self.rest:g}" if self.rest else ""
+        return f"{self.quantity}, {FULL_COUNTS} = {self.full_scale:g} {self.unit}{rest}{sign}"
 
 
 def drive_of(comments: Mapping[str, str]) -> Drive | None:
@@ -70,11 +74,11 @@ def drive_of(comments: Mapping[str, str]) -> Drive | None:
     found = _FORM.fullmatch(comments.get(COMMENT, ""))
     if found is None:
         return None
-    quantity, value, unit, sign = found.groups(default="")
+    quantity, value, unit, at_rest, sign = found.groups(default="")
     try:
-        full_scale = float(value)
+        full_scale, rest = float(value), float(at_rest or 0.0)
     except ValueError:
         return None
-    if not isfinite(full_scale) or full_scale <= 0.0:
+    if not isfinite(full_scale) or full_scale <= max(rest, 0.0):
         return None
-    return Drive(quantity, unit, full_scale, sign)
+    return Drive(quantity, unit, full_scale, sign, rest)

@@ -13,6 +13,7 @@ import pytest
 
 import gen
 from benchmarks.network_identification import __main__ as command
+from benchmarks.network_identification import rest
 from benchmarks.network_identification.judge import Held, Judged, judge
 from benchmarks.network_identification.table import by_rest, more_data, rested, rows, text
 from benchmarks.plants.cases import Case, Written, fresh_runs, write_case
@@ -191,6 +192,16 @@ def test_who_rested_is_told_by_what_the_runs_hold(seed: int, rests: bool, tmp_pa
     case = Case(seed, DataKind.MIXED, RoomKind.HELD)
     runs = [pd.read_csv(path, comment="#") for path in write_case(case, tmp_path).fit]
     assert any((run.pwm == 0).any() for run in runs) == rests == rested(case)
+
+
+def test_what_nobody_can_know_of_a_motor_that_never_rested(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of two motors the one that rested is left out; the other's readings are missed by no less than their noise."""
+    rest.main(["--plants", "2", "--seed", "1837", "--data", "mixed"])
+    told, _, *lines = capsys.readouterr().out.splitlines()
+    assert " 1 plants:" in told
+    floors = [float(line.split()[3]) for line in lines]
+    assert len(floors) == len(rest.FACTORS)
+    assert 0.95 < min(floors) < max(floors)
 
 
 def test_motors_that_never_rested_are_told_apart() -> None:

@@ -96,6 +96,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
     ),
     "observed.json": ("a0a2944e2273b3fd259da2e6b7dbecdc79cf266a2fd12772628574cd6e0ca7c2", FROZEN["observed.json"][1]),
     "other_input.json": ("2b77de7de5b0fafd0eaf66a144457e8da798b797162eed3525d05dd0b688f3a9", FROZEN["my1016.json"][1]),
+    "rest_of_input.json": (
+        "19b25394b09f42aad3d47b45adb0c740cda52f1126ccb322d6b00cbfa9d202e9",
+        FROZEN["my1016.json"][1],
+    ),
     "protected.json": ("1174edd0d5cccc8c3b5c6b0517b99b288a097d7133c0c3b416c7608259e75b59", FROZEN["my1016.json"][1]),
     "remembered_heat.json": (
         "89e35cdad45bb9d45e0679734bcb7f091e4e8893def101ad8d22e0c7623bc620",

@@ -22,8 +22,11 @@ from gen.runs.drive import Drive, drive_of
 STEP_S, TAU_S, RISE_K = 5.0, 300.0, 40.0
 
 
-def log(folder: Path, name: str, levels: list[float], full_W: float = 500.0) -> Path:
-    """A heater that follows its power with one time constant, logged in watts, scaled at import."""
+def log(folder: Path, name: str, levels: list[float], full_W: float = 500.0, rest_W: float = 0.0) -> Path:
+    """A heater that follows its power with one time constant, logged in watts, scaled at import.
+
+    With another rest so much is added to what is logged, as of a signal of 4 to 20 mA.
+    """
     power = np.repeat(levels, 240)
     rise = np.zeros(power.size)
     for k in range(1, power.size):
@@ -32,14 +35,14 @@ def log(folder: Path, name: str, levels: list[float], full_W: float = 500.0) -> 
     table = pd.DataFrame(
         {
             "time_s": STEP_S * np.arange(power.size),
-            "Power (W)": power,
+            "Power (W)": power + rest_W,
             "block_degC": np.round(22.0 + rise + noise, 3),
             "ambient_degC": 22.0,
         }
     )
     path = folder / f"{name}.csv"
     table.to_csv(path, index=False)
-    return import_runs([path], folder / "runs", input="Power (W)", full_scale=full_W).runs[0]
+    return import_runs([path], folder / "runs", input="Power (W)", full_scale=full_W + rest_W, rest=rest_W).runs[0]
 
 
 @pytest.fixture(scope="module")
@@ -120,9 +123,30 @@ def test_a_full_scale_below_255_stands_for_its_share(runs: list[Path]) -> None:
     assert found.model.coefficients.document.input.meaning == "Power (W): 204 counts = 400 W"
 
 
+def test_a_rest_that_is_not_0_is_no_part_of_the_share(folder: Path, runs: list[Path]) -> None:
+    path = log(folder, "sat", [200.0, 0.0], rest_W=125.0)
+    found = gen.identify([path], full_scale=204)
+    document = found.model.coefficients.document
+    assert document.input.meaning == "Power (W): 204 counts = 525 W, 0 counts = 125"
+    told = gen.identify([runs[0]], full_scale=204).model.coefficients.document
+    assert document.components == told.components  # the same heater
+    with pytest.raises(InputError, match=r"found Power \(W\), 255 = 500 W; expected .*stands_for, .*0 counts = 125"):
+        gen.simulate(found.model, runs[0])
+
+
 @pytest.mark.parametrize(
     "text",
-    ["", "153 in all rows", "pwm", "x, 255 = ", "x, 255 = 1e999 W", "x, 255 = 0 W", "x, 255 = 1.2.3 W", "x, 254 = 5 W"],
+    [
+        "",
+        "153 in all rows",
+        "pwm",
+        "x, 255 = ",
+        "x, 255 = 1e999 W",
+        "x, 255 = 0 W",
+        "x, 255 = 1.2.3 W",
+        "x, 254 = 5 W",
+        "x, 255 = 4 mA, 0 = 4",
+    ],
 )
 def test_a_comment_that_says_nothing_of_a_scale_is_none(text: str) -> None:
     assert drive_of({"input": text}) is None
@@ -134,6 +158,8 @@ def test_a_comment_that_says_nothing_of_a_scale_is_none(text: str) -> None:
         Drive("Power (W)", "W", 500.0),
         Drive("a, 255 = 3 A", "A", 12.5, "direction"),
         Drive("throttle", "percent", 100.0),
+        Drive("Valve", "mA", 20.0, "", 4.0),
+        Drive("stick, x", "of its own unit", 1.0, "way", -1.0),
         Drive("I", "of its own unit", 1e-06),
     ],
 )
@@ -159,6 +185,9 @@ def test_a_motors_own_pwm_stands_for_itself(tmp_path: Path) -> None:
         (Drive("Duty (%)", "percent", 80.0), Drive("Stellgrad", "percent", 80.0), True),
         (Drive("I", "A", 100.0), Drive("Duty (%)", "percent", 100.0), False),
         (Drive("I", "A", 12.0), Drive("I", "A", 12.5), False),
+        (Drive("I", "mA", 20.0, rest=4.0), Drive("valve", "mA", 20.0, rest=4.0), True),
+        (Drive("I", "mA", 20.0, rest=4.0), Drive("I", "mA", 20.0), False),
+        (Drive("Duty (%)", "percent", 100.0, rest=50.0), Drive("duty", "duty", 1.0), False),
     ],
 )
 def test_a_share_is_the_same_in_any_unit(one: Drive, other: Drive, alike: bool) -> None:

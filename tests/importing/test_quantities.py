@@ -25,9 +25,7 @@ def test_a_servo_s_pulse_is_not_0_at_rest(tmp_path: Path) -> None:
     log = write(
         tmp_path, "time [s],esc,winding [°C]\n" + "".join(f"{i},{1000 + 10 * i},2{i % 10}.5\n" for i in range(60))
     )
-    with pytest.raises(
-        InputError, match=r"found 1000\.\.1590; .* if these are a servo's pulses in us, rest is at 1000"
-    ):
+    with pytest.raises(InputError, match=r"found 1000\.\.1590; .* if these are a servo's pulses in us, --rest 1000"):
         take(log, tmp_path / "out", input="esc")
 
 
@@ -211,23 +209,6 @@ def test_a_name_in_brackets_is_a_part(tmp_path: Path) -> None:
 def test_the_largest_of_several_readings_is_no_limit(tmp_path: Path) -> None:
     """Of a controller whose transistors stay as they are: it lies among the readings."""
     assert "mos_max" in run_with(tmp_path, "temp_mos_max", [30.2] * ROWS).temps
-
-
-@pytest.mark.parametrize(
-    ("head", "low", "high", "rest", "scale"),
-    [("Valve (mA)", 4.0, 20.0, 4, 16), ("Control [V]", 1.0, 5.0, 1, 4), ("throttle", 1000.0, 1900.0, 1000, 1000)],
-)
-def test_a_signal_whose_rest_is_not_0_is_told(
-    head: str, low: float, high: float, rest: float, scale: float, tmp_path: Path
-) -> None:
-    frame = truth()
-    signal = np.where(frame.pwm > 0, high, low)
-    path = write(tmp_path, csv(frame.assign(pwm=signal).rename(columns={"pwm": head})))
-    found = take(path, tmp_path / "out", input=head, full_scale=rest + scale)
-    (said,) = found.warnings
-    assert f"put x - {rest} in its place first, with --full-scale {scale}" in said
-    found = take(path, tmp_path / "whole", input=head, full_scale=2.0 * (rest + scale))
-    assert found.warnings == []
 
 
 @pytest.mark.parametrize(("head", "option"), [("heater", "heater"), ("power_W", "power_W --full-scale 100")])

@@ -142,6 +142,8 @@ def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Pa
         (gen.identify, ([run],), {"ambient": -280.0}, "ambient: found -280.0, expected a number from -273.15 to 1000"),
         (gen.refine, (motor,), {"fit": [], "test": [run]}, "fit: found no run"),
         (gen.refine, (motor,), {"fit": [run], "test": [run]}, "a run is given as fit and as test"),
+        (gen.import_runs, (["log.csv"], tmp_path / "x"), {"rest": float("-inf")}, "rest: found -inf"),
+        (gen.import_runs, (["log.csv"], tmp_path / "x"), {"full_scale": 0.0}, "full_scale: found 0.0"),
         (gen.build, (motor, tmp_path / "x"), {"arithmetic": "quick"}, "arithmetic: found 'quick'"),
         (gen.verify, (motor,), {"target": "moon"}, "target: found 'moon', expected 'host', 'avr', 'all'"),
         (gen.verify, (motor,), {"scale": 0}, "scale: found 0, expected a number from 0.001 to 10"),

@@ -258,7 +258,7 @@ def _by_mapping(evidence: Evidence, known: Mapping) -> Decided:
     time = ", ".join(known.time.columns) or "time"
     unit = known.time.unit if known.time.columns else f"rows every {known.time.interval_s:g} s"
     guesses = [Guess(time, f"time: {unit}", CERTAIN, said)]
-    scale = f"pwm: {known.input.full_scale:g} {known.input.unit} = 255" if known.input.column else ""
+    scale = f"pwm: {known.input.said}" if known.input.column else ""
     guesses.append(Guess(known.input.column or "input", scale or f"pwm = {known.input.counts}", CERTAIN, said))
     for entry in known.column:
         shown = f"{entry.to}, from {entry.unit}" if entry.unit and not entry.to.endswith(entry.unit) else entry.to

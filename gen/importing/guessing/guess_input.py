@@ -70,18 +70,22 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
     entry, confidence, why = _column(evidence, choices, reserved)
     entry, scale = _scaled(_sound(entry), evidence, choices)
     sign = _sign(evidence, reserved | {entry.name})
-    form = InputForm(column=entry.name, unit=scale.unit, full_scale=scale.full, sign=sign, drives=choices.machine)
-    low, high = entry.span
-    reached = max(abs(low), abs(high))
-    if reached / scale.full * FULL > FULL + 0.5 and scale.confidence == CERTAIN:
+    rest = choices.rest or 0.0
+    if rest >= scale.full:
         raise InputError(
-            f"found {reached:g} {scale.unit}, more than its full scale of {scale.full:g}; expected --full-scale of at "
-            "least that",
+            f"found {rest:g}, expected less than the full scale of {scale.full:g} {scale.unit}", place="--rest"
+        )
+    form = InputForm(
+        column=entry.name, unit=scale.unit, full_scale=scale.full, rest=rest, sign=sign, drives=choices.machine
+    )
+    reached = max(abs(value - rest) for value in entry.span) + rest
+    if form.counts_of(np.array(reached)) > FULL + 0.5 and scale.confidence == CERTAIN:
+        raise InputError(
+            f"found {reached:g} {scale.unit}, more than its full scale of {scale.full:g}; expected "
+            "--full-scale of at least that",
             place=f"column {entry.name}",
         )
-    taken = (
-        f"pwm: {scale.full:g} {scale.unit} = 255" if scale.unit != "counts" or scale.full != FULL else "pwm in counts"
-    )
+    taken = "pwm in counts" if (form.unit, form.rest, form.full_scale) == ("counts", 0.0, FULL) else f"pwm: {form.said}"
     taken += f", sign of {sign}" if sign else ""
     taken += f", of a {choices.machine}" if choices.machine else ""
     shown = quoted(f"{entry.name}=percent")
@@ -267,9 +271,7 @@ def _pulse(entry: Facts) -> str:
     low, high = entry.span
     if low < _PULSE_US[0] or high > _PULSE_US[1]:
         return ""
-    return (
-        "; if these are a servo's pulses in us, rest is at 1000 (or 1500): put (us - 1000) / 1000 in their place first"
-    )
+    return "; if these are a servo's pulses in us, --rest 1000 (or 1500) and --full-scale 2000"
 
 
 def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> _Scale:

@@ -55,6 +55,8 @@ class Choices:
         The input: a column, or the same counts for all rows.
     full_scale
         The input's value that is 255 counts, in its unit.
+    rest
+        The input's value that is 0 counts, in its unit.
     machine
         What the input drives: ``motor`` or ``heater``.
     columns
@@ -81,6 +83,7 @@ class Choices:
     time: str = ""
     drive: str = ""
     full_scale: float | None = None
+    rest: float | None = None
     machine: Machine | Literal[""] = ""
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)

@@ -54,7 +54,7 @@ def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
     """An input that stands at its most negative and never near 0: a stick's way, whose rest may be at that end."""
     form = mapping.input
     values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
-    if not values.size or values.min() >= 0.0:
+    if not values.size or values.min() >= 0.0 or form.rest:
         return ""
     low = float(values.min())
     rests = float((np.abs(values) <= _NEAR_REST * form.full_scale).mean()) == 0.0
@@ -62,7 +62,7 @@ def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
         return ""
     return (
         f"{form.column}: stands at {low:g} and never near 0, as a stick's way does, whose rest is at that end; if "
-        f"so, put (x + {-low:g}) / 2 in its place first"
+        f"so: --rest {low:g} --full-scale {form.full_scale:g}"
     )
 
 
@@ -70,7 +70,7 @@ def _like_a_live_zero(evidence: Evidence, mapping: Mapping) -> str:
     """An input that reaches from the rest of a usual signal, which is not 0, to no more than its end: 4..20 mA."""
     form = mapping.input
     values = evidence.facts[form.column].values if form.column and not form.sign else np.zeros(0)
-    if not values.size or values.min() == values.max():
+    if not values.size or values.min() == values.max() or form.rest:
         return ""
     low, high = float(values.min()), float(values.max())
     for rest, end in _LIVE_ZEROS:
@@ -78,7 +78,7 @@ def _like_a_live_zero(evidence: Evidence, mapping: Mapping) -> str:
         if abs(low - rest) <= near and 0.5 * (rest + end) <= high <= end + near and form.full_scale <= end + near:
             return (
                 f"{form.column}: goes from {low:g} to {high:g}, as a signal of {rest:g} to {end:g} does, whose rest is "
-                f"at {rest:g}; if so, put x - {rest:g} in its place first, with --full-scale {end - rest:g}"
+                f"at {rest:g}; if so: --rest {rest:g} --full-scale {end:g}"
             )
     return ""
 
@@ -86,7 +86,7 @@ def _like_a_live_zero(evidence: Evidence, mapping: Mapping) -> str:
 def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
     """Counts that begin and end at the middle of 255 and are never near 0: of a driver that rests there."""
     form = mapping.input
-    if not form.column or form.sign or (form.unit, form.full_scale) != ("counts", float(FULL)):
+    if not form.column or form.sign or (form.unit, form.rest, form.full_scale) != ("counts", 0.0, float(FULL)):
         return ""
     values = evidence.facts[form.column].values
     if not values.size or not {values[0], values[-1]} <= _MIDDLE or values.min() <= _NEAR_REST * FULL:
@@ -95,7 +95,7 @@ def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
         return ""
     return (
         f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
-        f"middle; if so, put 2 (x - {values[0]:g}) in its place first"
+        f"middle; if so: --rest {values[0]:g} --full-scale {FULL}"
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -164,14 +164,14 @@ def test_what_grows_over_several_runs_is_no_change_at_one_time() -> None:
 def test_wear_that_is_seen_beside_where_it_arises_grows_all_the_same() -> None:
     """What comes and goes within the runs is more than what they differ by; but that stands in their order."""
 
-    def shaken(levels: Sequence[float]) -> Uneven:
+    def shaken(levels: FloatArray) -> Uneven:
         def heat_W(speed: FloatArray, chance: np.random.Generator) -> FloatArray:
-            return 1.8 + next(level) + 0.9 * chance.standard_normal(speed.size)
+            return np.asarray(1.8 + next(level) + 0.9 * chance.standard_normal(speed.size))
 
         level = iter(levels)
         return held(heat_W, len(levels))
 
-    ordered = np.linspace(-0.6, 0.6, 6)
+    ordered: FloatArray = np.linspace(-0.6, 0.6, 6)
     assert shaken(ordered).pattern == "grows"
     assert shaken(ordered[::-1]).pattern == "grows"
     assert shaken(ordered[[3, 0, 5, 1, 4, 2]]).pattern == "comes and goes"
