@@ -98,6 +98,19 @@ def test_heat_of_the_whole_motor_that_peaks_between_its_speeds_is_no_cover(peak:
 
 
 @pytest.mark.parametrize(
+    ("capacity", "conductance", "shown"),
+    [(60.0, 10.0, True), (60.0, 15.0, False), (20.0, 0.5, True), (20.0, 2.0, False), (60.0, 0.001, False)],
+    ids=["bolted on", "within 4 s", "light", "light and quick", "a day"],
+)
+def test_a_mass_shows_however_firmly_it_is_bolted_on(capacity: float, conductance: float, shown: bool) -> None:
+    """Of nodes of 120 and 400 J/K: a fifth of what they usually hold is 52 J/K."""
+    network = read(tree()).model.network
+    assert network is not None
+    part = HiddenNode(Anchored.of(network, 255, data(2).columns).motor(), 0, outside=False)
+    assert (not part.doubts((capacity, conductance, 0.0001, 0.001, 1.0))) == shown
+
+
+@pytest.mark.parametrize(
     ("capacity", "conductance", "power", "exponent", "fault"),
     [
         (4.0, 0.1, 1.0, 1.0, True),
