@@ -20,6 +20,7 @@ from gen.importing.means import means
 from gen.importing.overflow import overflows
 from gen.importing.stray import stray, too_warm
 from gen.importing.suspicions import suspicions
+from gen.importing.switched_units import switched_at
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
 from gen.importing.timing import ticks_of, timed
 from gen.importing.units import split_name, unit_of
@@ -311,8 +312,21 @@ def _suspect(made: Converted, units: dict[str, str]) -> None:
 
 
 def _warn_of_strays(channels: dict[str, FloatArray], time: FloatArray, made: Converted) -> None:
-    """Of readings that are taken as they stand, though no motor has them."""
+    """Of readings that are taken as they stand, though no motor has them; refuse those whose unit changes.
+
+    Raises
+    ------
+    InputError
+        Without a file name, with the place: from there on all temperatures are in another unit.
+    """
     temps = {name: np.where(np.isfinite(time), v, np.nan) for name, v in channels.items() if name.endswith("_degC")}
+    switched = switched_at(temps, time)
+    if switched is not None:
+        raise InputError(
+            f"all temperatures go on as what they were before in {switched[1]}; expected one unit: put the rows from "
+            "there on into a file of their own, and say theirs with --unit",
+            place=made.table.place(switched[0]),
+        )
     for name, values in temps.items():
         found = stray(values)
         if found is not None:

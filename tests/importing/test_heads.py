@@ -13,6 +13,7 @@ from gen.importing.reading.rows.heads import with_labels
 from tests.importing.logs import TRUE, taken, write
 
 STAMPS = [str(pd.Timestamp("2026-11-26 10:00:00") + pd.Timedelta(seconds=2 * s)) for s in TRUE.time_s]
+ITS = list(TRUE.itertuples())
 ROWS = list(zip(STAMPS, TRUE.pwm / 2.55, TRUE.winding_degC, TRUE.ambient_degC, strict=True))
 
 RECORDER = """YREC
@@ -133,3 +134,22 @@ def test_channels_that_are_called_by_numbers_are_a_header(tmp_path: Path) -> Non
     )
     np.testing.assert_allclose(run.temps["winding"], TRUE["winding_degC"])
     assert run.pwm.tolist() == TRUE["pwm"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("groups", "names"),
+    [
+        ("Time [s],Motor,,,Room", ",Duty [%],Winding [°C],Casing [°C],Temperature [°C]"),  # cells that were merged
+        ("Time,Drive,Winding,Casing,Ambient", "t [s],PWM [%],T [°C],T [°C],T [°C]"),
+        ("Elapsed [s],PWM [%],Winding,Casing,Ambient", ",,Temp [°C],Temp [°C],Temp [°C]"),
+    ],
+)
+def test_a_name_that_says_little_has_its_group_s(groups: str, names: str, tmp_path: Path) -> None:
+    rows = "".join(f"{e.time_s},{e.pwm / 2.55:g},{e.winding_degC},{e.casing_degC},{e.ambient_degC}\n" for e in ITS)
+    run = taken(write(tmp_path, f"{groups}\n{names}\n{rows}"), tmp_path / "out")
+    assert [name.split("_")[0] for name in run.temps] == ["winding", "casing"]
+    np.testing.assert_array_equal(run.temps[next(iter(run.temps))], TRUE.winding_degC)
+    assert run.ambient is not None
+    np.testing.assert_array_equal(run.ambient, TRUE.ambient_degC)
+    np.testing.assert_array_equal(run.pwm, TRUE.pwm)
+    np.testing.assert_array_equal(run.time_s, TRUE.time_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -382,6 +383,48 @@ def test_fractions_of_a_second_in_a_column_of_their_own(head: str, scale: int, f
     np.testing.assert_allclose(run.time_s, 0.1 * np.arange(len(truth())), atol=1e-9)
     assert run.comments["started"] == "2024-03-25T23:59:55.300"
     assert list(run.extras) == []
+
+
+@pytest.mark.parametrize(
+    ("head", "scale"),
+    [
+        ("header.stamp.secs,header.stamp.nsecs", 10**9),  # of ROS
+        ("stamp_sec,stamp_nanosec", 10**9),
+        ("tv_sec,tv_usec", 10**6),
+        ("Timestamp,Timestamp_ms", 10**3),
+        ("Epoch (s),Fraction (ms)", 10**3),
+        ("millis,unix", 10**3),
+        ("seconds,hundredths", 10**2),
+    ],
+)
+@pytest.mark.parametrize("since", [1_795_687_200, 0])
+def test_fractions_of_seconds_that_are_counted(head: str, scale: int, since: int, tmp_path: Path) -> None:
+    """A second and a quarter from row to row; of whole seconds alone four rows in five would be off."""
+    rows = []
+    for i, entry in enumerate(truth().itertuples()):
+        second, part = divmod(5 * i, 4)
+        pair = (since + second, part * scale // 4)
+        shown = pair if not head.startswith("millis") else pair[::-1]
+        rows.append(f"{shown[0]},{shown[1]},{entry.pwm},{entry.winding_degC}")
+    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 1.25 * np.arange(len(truth())), atol=1e-6)
+    assert list(run.extras) == []
+
+
+def test_fractions_far_from_their_times_are_taken_where_they_make_these_even(tmp_path: Path) -> None:
+    def logged(parts: Sequence[int]) -> Path:
+        rows = [
+            f"{1_795_687_200 + 5 * i // 4},{entry.pwm},{entry.winding_degC},{part}"
+            for i, (entry, part) in enumerate(zip(truth().itertuples(), parts, strict=True))
+        ]
+        return write(tmp_path, "\n".join(["time,PWM,Winding [C],ms", *rows]))
+
+    count = len(truth())
+    run = taken(logged([250 * (i % 4) for i in range(count)]), tmp_path / "out")
+    np.testing.assert_allclose(run.time_s, 1.25 * np.arange(count), atol=1e-6)
+    run = taken(logged([40 + i % 3 for i in range(count)]), tmp_path / "took")  # what a loop took
+    np.testing.assert_allclose(run.time_s, 5 * np.arange(count) // 4)
+    assert list(run.extras) == ["ms"]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
-from gen.importing.units import TIME, unit_of
+from gen.importing.units import TIME, split_name, unit_of
 
 STATISTIC = re.compile(r"(?:min|max|mean|avg|average|ave|last|inst|smp)\.?", re.IGNORECASE)
 """Which value of an interval a column holds; `Smp` is a sample, of Campbell's loggers."""
@@ -22,6 +22,8 @@ _LEAST_PARTED, _MOST_DECIMALS, _LEAST_DECIMALS = 3, 3, 5
 """Columns, digits behind a decimal comma, and how many different ones make a fraction of them."""
 _JUMPING = 0.15
 """Of their range, by which such digits change from row to row on average."""
+_SAY_LITTLE = {"t", "temp", "temp.", "temperature", "temperatur", "température", "temperatura", "value", "wert", "ist"}
+"""Names that need the group that stands above them."""
 _LONGEST = 20
 """Lines above the first row, at most, among which they stand."""
 
@@ -98,6 +100,27 @@ def paired_head(lines: Sequence[Sequence[str]], width: int) -> tuple[int, list[s
     of_times = next((match[1] for match in said if match and _is_time(match[1])), "")
     names = [name for channel in named[1::2] for name in ("time", channel.strip())]
     return last, names, [of_times, ""] * (width // 2)
+
+
+def with_groups(names: Sequence[str], above: Sequence[str]) -> list[str]:
+    """Names that say little, or stand more than once, with the group above: `Winding | | Room` over `T | max | T`.
+
+    Parameters
+    ----------
+    names
+        Of the columns; of an empty one what stands above it is the name.
+    above
+        The line above them, as long, or empty; a group stands above its first column, or above each.
+    """
+    bases = [split_name(name)[0].strip().casefold() for name in names]
+    made, group = [], ""
+    for name, base, cell in zip(names, bases, above or [""] * len(names), strict=True):
+        group = cell.strip() or group
+        says_little = base in _SAY_LITTLE or bool(STATISTIC.fullmatch(base)) or bases.count(base) > 1
+        labels = re.search(r"[^\W\d_]{2}", group) and not unit_of(group) and group.casefold() != name.strip().casefold()
+        named = f"{split_name(group)[0]} {name}" if says_little and labels else name
+        made.append(named if name.strip() else cell)
+    return made
 
 
 def with_labels(names: Sequence[str], before: Sequence[Sequence[str]]) -> list[str]:

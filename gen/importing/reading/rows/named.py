@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gen.importing.reading.rows.cells import DELIMITERS
-from gen.importing.reading.rows.heads import STATISTIC, is_label, is_units, labelled_head, with_statistic
+from gen.importing.reading.rows.heads import (
+    STATISTIC,
+    is_label,
+    is_units,
+    labelled_head,
+    with_groups,
+    with_statistic,
+)
 from gen.importing.reading.rows.kinds import is_head, padded
 from gen.importing.units import unit_of
 
@@ -31,9 +38,9 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
     if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
         return _under_names(heads)
     if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
-        return heads[-2], heads[-1]
+        return with_groups(heads[-2], heads[-3] if len(heads) > 2 else []), heads[-1]
     if heads:
-        return heads[-1], [""] * width
+        return with_groups(heads[-1], heads[-2] if len(heads) > 1 else []), [""] * width
     for text in reversed(comments):  # as numpy.savetxt writes it
         for delimiter in DELIMITERS:
             row = text.split() if delimiter == " " else text.split(delimiter)
