@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from gen.errors import InputError
 from tests.importing.logs import TRUE, same, taken, write
 
 NAMES = ["time_s", "pwm", "winding_degC"]
@@ -35,6 +37,73 @@ def test_a_comma_before_milliseconds(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.temps["winding"], KNOWN["winding_degC"])
     steps = 10.0 * np.arange(len(TRUE)) + ((123 + 7 * np.arange(len(TRUE))) % 1000) / 1000
     np.testing.assert_allclose(run.time_s, steps - steps[0], atol=1e-9)
+
+
+def clocked(mark: str, behind: str, form: str = "%Y-%m-%d %H:%M:%S") -> list[str]:
+    """Rows of whole seconds, a PWM and a temperature, with something behind them."""
+    times = pd.date_range("2026-03-02 08:15:00", periods=len(TRUE), freq="10s").strftime(form)
+    return [
+        mark.join([time, f"{pwm:g}", str(winding), behind])
+        for time, pwm, winding in zip(times, TRUE["pwm"], TRUE["winding_degC"], strict=True)
+    ]
+
+
+@pytest.mark.parametrize("behind", ["ok", "1", "12.5"])
+@pytest.mark.parametrize("last", ["", "MARK"], ids=["without a name", "with an empty one"])
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S", "%d/%m/%Y %H:%M:%S", "%H:%M:%S"])
+def test_a_column_without_a_name_behind_the_others(
+    form: str, mark: str, last: str, behind: str, tmp_path: Path
+) -> None:
+    """Notes, or a status: no name goes to another column, and whole seconds get no fractions of it."""
+    head = mark.join(["Time", "PWM", "winding [C]"]) + last.replace("MARK", mark)
+    log = write(tmp_path, "\n".join([head, *clocked(mark, behind, form)]))
+    run = taken(log, tmp_path / "out", units={"PWM": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+    np.testing.assert_allclose(np.diff(run.time_s), 10.0)
+
+
+@pytest.mark.parametrize("last", ["", " "], ids=["without a name", "with an empty one"])
+def test_a_column_without_a_name_in_a_workbook(last: str, tmp_path: Path) -> None:
+    rows = [row.split(",") for row in clocked(",", "ok")]
+    frame = pd.DataFrame(rows, columns=["Time", "PWM", "winding [C]", last]).astype({"PWM": int, "winding [C]": float})
+    frame.to_excel(tmp_path / "log.xlsx", index=False)
+    run = taken(tmp_path / "log.xlsx", tmp_path / "out", units={"PWM": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+
+
+def test_a_header_that_counts_like_rows_keeps_its_names(tmp_path: Path) -> None:
+    """A second a row, and something behind each: no numbers of rows, for then the next column would rise."""
+    rows = [f"{i},{pwm:g},{winding},1" for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())]
+    for last in ("", ","):
+        log = write(tmp_path, "\n".join([",".join(NAMES) + last, *rows]))
+        run = taken(log, tmp_path / "out", overwrite=True)
+        assert run.pwm.tolist() == TRUE["pwm"].tolist()
+        np.testing.assert_array_equal(run.time_s, np.arange(len(TRUE)))
+
+
+@pytest.mark.parametrize("parts", ["153", "154"], ids=["one", "two"])
+def test_what_may_be_milliseconds_or_a_number_of_its_own(parts: str, tmp_path: Path) -> None:
+    rows = [
+        f"2026-03-02 08:{15 + i // 6:02d}:{10 * (i % 6):02d},{parts if i % 2 else 153},{pwm:g},{winding}"
+        for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())
+    ]
+    with pytest.raises(InputError, match=r"is 2026-03-02 08:15:00,153 one time, .* a point before milliseconds"):
+        taken(write(tmp_path, "\n".join(["time,pwm,winding temp", *rows])), tmp_path / "out")
+
+
+def test_milliseconds_behind_a_time_of_day(tmp_path: Path) -> None:
+    """Behind a date in a column of its own."""
+    rows = [
+        f"2026-03-02,08:{15 + i // 6:02d}:{10 * (i % 6):02d},{(123 + 7 * i) % 1000:03d},{pwm:g},{winding}"
+        for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())
+    ]
+    log = write(tmp_path, "\n".join(["date,time,pwm,winding temp", *rows]))
+    run = taken(log, tmp_path / "out", units={"pwm": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_allclose(np.diff(run.time_s), 10.007, atol=1e-6)
 
 
 def test_a_mark_behind_each_row_is_no_column(tmp_path: Path) -> None:

@@ -18,7 +18,8 @@ from gen.importing.reading.rows.broken_off import broken_off
 from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
 from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
 from gen.importing.reading.rows.later_heads import under_one_head
-from gen.importing.reading.rows.named import names_above
+from gen.importing.reading.rows.named import lacks_a_name, names_above
+from gen.importing.reading.rows.shifted import counts_rows, milliseconds
 from gen.importing.reading.rows.transposed import upright
 from gen.importing.reading.rows.unit_columns import with_units
 from gen.importing.reading.tagged.prometheus import without_labels
@@ -34,9 +35,6 @@ _FEW_HEADS = 2
 _LONGEST_PREAMBLE = 100
 """Lines that come before a header, at most."""
 _SHOWN = 40
-_LEAST_SHIFTED = 3
-_MILLIS = 3
-_WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 MOST_COLUMNS = 2000
 
 
@@ -94,15 +92,11 @@ def table_of_rows(
     cells = [list(column) for column in zip(*(rows[i] for i in good), strict=True)]
     if not names:
         names = [f"column_{i + 1}" for i in range(width)]
+    names = without_labels(names)
+    if lacks_a_name(rows[:first], width):
+        names, units = _shifted(names, units, cells, reading, f"{word} {numbers[good[0]]}")
     if times:
         names, units, cells = ["clock", *names], ["", *units], [[times[i] for i in good], *cells]
-    names, units = _shifted(without_labels(names), units, cells)
-    if reading.delimiter == "," and (number := parted_decimals(names, cells)):
-        raise InputError(
-            f"has a name less than its rows have fields: is {number} one number, with a decimal comma among the commas "
-            "between columns? expected another mark between columns, or decimal points",
-            place=f"{word} {numbers[good[0]]}",
-        )
     kept = [i for i, name in enumerate(names) if name.strip() or any(cell.strip() for cell in cells[i])]
     return Table(
         file,
@@ -121,19 +115,32 @@ def table_of_rows(
     )
 
 
-def _shifted(names: list[str], units: list[str], cells: Sequence[list[str]]) -> tuple[list[str], list[str]]:
-    """Names of a header that has one less than its rows, which is not the last one's.
-
-    It is that of the first column where that counts rows, as R writes them; or of the second where times have commas
-    before their milliseconds.
-    """
-    if len(names) < _LEAST_SHIFTED or names[-1].strip() or not names[0].strip() or not any(map(str.strip, cells[-1])):
+def _shifted(
+    names: list[str], units: list[str], cells: Sequence[list[str]], reading: Reading, place: str
+) -> tuple[list[str], list[str]]:
+    """Names of a header that has one less than its rows, each on the column that it is of."""
+    if not names[0].strip() or not any(map(str.strip, cells[-1])):
         return names, units
-    first, second = cells[0][:_SAMPLE], cells[1][:_SAMPLE]
-    if first in ([str(i + k) for i in range(len(first))] for k in (0, 1)) and len(first) > 1:
+    if counts_rows(names, cells):
         return ["row", *names[:-1]], ["", *units[:-1]]
-    if all(cell.isdigit() and len(cell) <= _MILLIS for cell in second) and all(map(_WHOLE_SECONDS.search, first)):
-        return [names[0], "ms", *names[1:-1]], [units[0], "", *units[1:-1]]
+    if reading.delimiter != ",":
+        return names, units
+    less = "has a name less than its rows have fields"
+    at, sure = milliseconds(names, cells)
+    if at and not sure:
+        raise InputError(
+            f"{less}: is {cells[at - 1][0]},{cells[at][0]} one time, with a comma before its milliseconds? "
+            "expected a name for each column between commas, or a point before milliseconds",
+            place=place,
+        )
+    if at:
+        return [*names[:at], "ms", *names[at:-1]], [*units[:at], "", *units[at:-1]]
+    if number := parted_decimals(names, cells):
+        raise InputError(
+            f"{less}: is {number} one number, with a decimal comma among the commas "
+            "between columns? expected another mark between columns, or decimal points",
+            place=place,
+        )
     return names, units
 
 

@@ -32,7 +32,7 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
         The comment lines.
     """
     labelled = labelled_head(before, width)
-    heads = [padded(row, width) for row in before[-4:] if abs(len(row) - width) <= 1 and is_head(row)]
+    heads = [padded(row, width) for row in _heads(before, width)]
     if labelled is not None and (not heads or is_label(heads[-1][0])):
         return labelled
     if len(heads) > 1 and sum(1 for cell in heads[-1] if STATISTIC.fullmatch(cell.strip())) > 1:
@@ -47,6 +47,24 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
             if width > 1 and len(row) == width and is_head(row) and ":" not in row[0]:
                 return [cell.strip() for cell in row], [""] * width
     return [], [""] * width
+
+
+def lacks_a_name(before: Sequence[list[str]], width: int) -> bool:
+    """Whether a header has one name less than a row has fields; an empty last one is a name.
+
+    Parameters
+    ----------
+    before
+        Lines above the first row.
+    width
+        Of a row.
+    """
+    heads = _heads(before, width)
+    return bool(heads) and all(len(row) < width for row in heads)
+
+
+def _heads(before: Sequence[list[str]], width: int) -> list[list[str]]:
+    return [row for row in before[-4:] if abs(len(row) - width) <= 1 and is_head(row)]
 
 
 def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:

@@ -1,0 +1,81 @@
+"""Headers that lack a name which is not the last one's: of numbers of rows, or of parts of times."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+from gen.importing.clock import is_time
+from gen.importing.guessing.names import TIME
+from gen.importing.numbers import plain_number
+from gen.importing.units import TIME as TIME_QUANTITY
+from gen.importing.units import split_name
+
+_SAMPLE = 400
+_LEAST = 3
+"""Columns."""
+_WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
+_MILLIS = re.compile(r"\d{3}")
+_MOST_PWM = 255
+_LEAST_DIFFERENT = 0.5
+"""Of the rows, whose milliseconds are not those of any other."""
+
+
+def counts_rows(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
+    """Whether the first column is that without a name, and counts rows, as R writes them.
+
+    Parameters
+    ----------
+    names
+        Of all columns; the header lacks one.
+    cells
+        Of the columns.
+    """
+    first = list(cells[0][:_SAMPLE])
+    if len(names) < _LEAST or len(first) < 2 or first not in ([str(i + k) for i in range(len(first))] for k in (0, 1)):
+        return False
+    timed = next((i for i, name in enumerate(names) if _is_time(name)), None)
+    return timed is None or _rises(cells[timed + 1][:_SAMPLE])
+
+
+def milliseconds(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[int, bool]:
+    """The column that a comma parted from times, before their milliseconds, as Python's logging and log4j write them.
+
+    Parameters
+    ----------
+    names
+        Of all columns; the header lacks one, and commas part the columns.
+    cells
+        Of the columns.
+
+    Returns
+    -------
+    at, sure
+        0 where there is none; and whether the numbers can be nothing else.
+    """
+    if len(names) < _LEAST or (split_name(names[-2])[1] and any(map(_is_word, cells[-1]))):
+        return 0, False
+    for at, (times, parts) in enumerate(pairwise(cells), start=1):
+        if all(map(_MILLIS.fullmatch, parts)) and all(map(_WHOLE_SECONDS.search, times)):
+            sample = parts[:_SAMPLE]
+            different = len(set(sample)) >= _LEAST_DIFFERENT * len(sample)
+            return at, different and max(map(int, parts)) > _MOST_PWM
+    return 0, False
+
+
+def _is_time(name: str) -> bool:
+    base, unit, _ = split_name(name)
+    return bool(TIME.fullmatch(base.casefold())) or (unit is not None and unit.quantity == TIME_QUANTITY)
+
+
+def _is_word(cell: str) -> bool:
+    return any(map(str.isalpha, cell)) and plain_number(cell.strip()) is None
+
+
+def _rises(cells: Sequence[str]) -> bool:
+    if all(is_time(cell.strip()) for cell in cells):
+        return True
+    numbers = [plain_number(cell.strip().replace(",", ".")) for cell in cells]
+    known = [number for number in numbers if number is not None]
+    return len(known) == len(cells) and all(a < b for a, b in pairwise(known))
