@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from gen.errors import InputError
-from tests.importing.logs import TRUE, same, taken, write
+from tests.importing.logs import TRUE, csv, same, taken, write
 
 NAMES = ["time_s", "pwm", "winding_degC"]
 KNOWN = TRUE[NAMES]
@@ -106,11 +106,53 @@ def test_milliseconds_behind_a_time_of_day(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.diff(run.time_s), 10.007, atol=1e-6)
 
 
+def test_a_space_within_timestamps_among_spaces_between_columns(tmp_path: Path) -> None:
+    rows = clocked(" ", "21.5")
+    run = taken(write(tmp_path, "\n".join(["t PWM winding casing", *rows])), tmp_path / "out", units={"PWM": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+    assert set(run.temps["casing"]) == {21.5}
+    np.testing.assert_allclose(np.diff(run.time_s), 10.0)
+
+
 def test_a_mark_behind_each_row_is_no_column(tmp_path: Path) -> None:
     lines = [",".join(NAMES), *(",".join(f"{value:g}" for value in row) + "," for row in KNOWN.to_numpy())]
     run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "out")
     same(run, KNOWN)
     assert run.extras == {}
+
+
+@pytest.mark.parametrize(
+    ("head", "mark"),
+    [
+        ("t [s],PWM,winding, hot spot [C],casing [C]", ","),
+        ("Time, s,PWM,winding [C],casing [C]", ","),
+        ("t [s];PWM;setpoint [C];winding [C];casing [C]", ";"),
+        ("t [s]\tPWM\tfan\twinding [C]\tcasing [C]", "\t"),
+        ("t s PWM winding_C casing_C", " "),
+        ("t,PWM,winding, hot spot,casing\ns,-,C,C", ","),
+        ("t [s],PWM,winding [C],casing [C],status", ","),
+    ],
+)
+def test_a_header_with_a_name_more_than_its_rows_have_fields(head: str, mark: str, tmp_path: Path) -> None:
+    frame = TRUE[[*NAMES, "casing_degC"]]
+    log = write(tmp_path, head + "\n" + frame.to_csv(index=False, header=False, sep=mark))
+    names = ", ".join(name.strip() for name in head.split("\n")[0].split(mark))
+    with pytest.raises(InputError) as found:
+        taken(log, tmp_path / "out")
+    assert found.value.place == "line 1"
+    assert found.value.message.startswith(f"found 5 names ({names}) above rows of 4 fields; expected one for each")
+
+
+@pytest.mark.parametrize("head", ["Comment", "notes", "Remark", ""])
+def test_a_name_of_comments_that_no_row_has(head: str, tmp_path: Path) -> None:
+    log = write(tmp_path, csv(KNOWN).replace("winding_degC\n", f"winding_degC,{head}\n"))
+    same(taken(log, tmp_path / "out"), KNOWN)
+
+
+def test_a_name_with_the_mark_between_columns_in_quotes(tmp_path: Path) -> None:
+    log = write(tmp_path, csv(KNOWN).replace("winding_degC\n", '"winding, hot spot [C]"\n'))
+    np.testing.assert_array_equal(taken(log, tmp_path / "out").temps["winding_hot_spot"], KNOWN["winding_degC"])
 
 
 def test_four_lines_above_the_rows(tmp_path: Path) -> None:

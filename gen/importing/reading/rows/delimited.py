@@ -18,8 +18,8 @@ from gen.importing.reading.rows.broken_off import broken_off
 from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
 from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
 from gen.importing.reading.rows.later_heads import under_one_head
-from gen.importing.reading.rows.named import lacks_a_name, names_above
-from gen.importing.reading.rows.shifted import counts_rows, milliseconds
+from gen.importing.reading.rows.named import check_surplus, lacks_a_name, names_above
+from gen.importing.reading.rows.shifted import counts_rows, milliseconds, parts_times
 from gen.importing.reading.rows.transposed import upright
 from gen.importing.reading.rows.unit_columns import with_units
 from gen.importing.reading.tagged.prometheus import without_labels
@@ -81,6 +81,7 @@ def table_of_rows(
     if width > MOST_COLUMNS:
         raise InputError(f"found {width} columns, expected {MOST_COLUMNS} at most", place=f"{word} {numbers[0]}")
     first, names, units = _titled(rows, _first_row(rows, numbers, width, word), width, comments)
+    check_surplus(rows[:first], numbers, width, word)
     good, counted = _sorted_out(rows, numbers, first, width, names, told, word)
     if not ended and (cut := broken_off(rows, good, word, numbers[-1])):
         good, counted = good[:-1], [*counted, cut]
@@ -123,6 +124,8 @@ def _shifted(
         return names, units
     if counts_rows(names, cells):
         return ["row", *names[:-1]], ["", *units[:-1]]
+    if parts_times(names, cells):
+        return [names[0], "clock", *names[1:-1]], [units[0], "", *units[1:-1]]
     if reading.delimiter != ",":
         return names, units
     less = "has a name less than its rows have fields"

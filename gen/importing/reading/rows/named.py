@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
+from gen.errors import InputError
+from gen.importing.listing import listed
 from gen.importing.reading.rows.cells import DELIMITERS
 from gen.importing.reading.rows.heads import (
     STATISTIC,
@@ -15,6 +18,11 @@ from gen.importing.reading.rows.heads import (
 )
 from gen.importing.reading.rows.kinds import is_head, padded
 from gen.importing.units import unit_of
+
+_LAST = 4
+"""Lines above the first row, among which names and units stand."""
+_COMMENTS = re.compile(r"(?:comments?|notes?|remarks?|kommentare?|bemerkung(?:en)?|commentaires?)?", re.IGNORECASE)
+"""A name of a column that rows need not have: of LabVIEW's files."""
 
 
 def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -63,8 +71,41 @@ def lacks_a_name(before: Sequence[list[str]], width: int) -> bool:
     return bool(heads) and all(len(row) < width for row in heads)
 
 
+def check_surplus(before: Sequence[list[str]], numbers: Sequence[int], width: int, word: str) -> None:
+    """Refuse a header with a name that is of no field, and may stand anywhere: names behind it are of other columns.
+
+    Parameters
+    ----------
+    before, numbers
+        Lines above the first row, and the place of each.
+    width
+        Of a row.
+    word
+        What a place is called.
+
+    Raises
+    ------
+    InputError
+        Without a file name.
+    """
+    at = [i for i in range(max(len(before) - _LAST, 0), len(before)) if _may_name(before[i], width)]
+    used = at[-2:] if len(at) > 1 and is_units(before[at[-1]], before[at[-2]]) else at[-1:]
+    for i in used:
+        names = [name.strip() for name in before[i]]
+        if len(names) > width and not _COMMENTS.fullmatch(names[-1]):
+            raise InputError(
+                f"found {len(names)} names ({listed(names)}) above rows of {width} fields; expected one for each: "
+                "put a name that holds the mark between columns in quotes, or take the surplus one out",
+                place=f"{word} {numbers[i]}",
+            )
+
+
 def _heads(before: Sequence[list[str]], width: int) -> list[list[str]]:
-    return [row for row in before[-4:] if abs(len(row) - width) <= 1 and is_head(row)]
+    return [row for row in before[-_LAST:] if _may_name(row, width)]
+
+
+def _may_name(row: Sequence[str], width: int) -> bool:
+    return abs(len(row) - width) <= 1 and is_head(row)
 
 
 def _under_names(heads: Sequence[list[str]]) -> tuple[list[str], list[str]]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
-from gen.importing.clock import is_time
+from gen.importing.clock import is_time, kind_of
 from gen.importing.guessing.names import TIME
 from gen.importing.numbers import plain_number
 from gen.importing.units import TIME as TIME_QUANTITY
@@ -37,6 +37,20 @@ def counts_rows(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
         return False
     timed = next((i for i, name in enumerate(names) if _is_time(name)), None)
     return timed is None or _rises(cells[timed + 1][:_SAMPLE])
+
+
+def parts_times(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
+    """Whether the mark between columns, such as a space, parts the first one's dates from their times of day.
+
+    Parameters
+    ----------
+    names
+        Of all columns; the header lacks one.
+    cells
+        Of the columns.
+    """
+    kinds = [kind_of(column[:_SAMPLE]) for column in cells[:2]]
+    return kinds == ["date", "clock"] and not _is_time(names[1])
 
 
 def milliseconds(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[int, bool]:
