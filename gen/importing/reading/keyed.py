@@ -16,7 +16,7 @@ from gen.importing.listing import listed
 from gen.importing.reading.entries import entries_of
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of
+from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of, words_in
 from gen.importing.reading.rows.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.tagged import signals
 from gen.importing.reading.tagged.prometheus import answered
@@ -251,8 +251,9 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     for i, (text, number) in enumerate(zip(lines.texts, lines.numbers, strict=True)):
         record = record_of(text, twice) if len(text) <= LONGEST else {}
         if any(2 * len(set(record) & kind) >= len(kind) and set(record) <= kind for kind in wanted):
-            told = with_told_units({"clock": times[i], **record} if times else record)
-            if len(wanted) > 1 and records and _of_one_time(records[-1], told):
+            words = words_in(text)
+            told = with_told_units({"clock": times[i], **words, **record} if times else words | record)
+            if len(wanted) > 1 and records and _of_one_time(records[-1], told, words):
                 records[-1] |= told
                 continue
             records.append(told)
@@ -264,9 +265,9 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     return _table(file, records, numbers, bad, lines, reading, f"line without {shown}")
 
 
-def _of_one_time(before: Mapping[str, str], record: Mapping[str, str]) -> bool:
-    """Whether lines of two kinds, of which none names what the other does, tell the same time."""
-    shared = before.keys() & record.keys()
+def _of_one_time(before: Mapping[str, str], record: Mapping[str, str], words: Mapping[str, str]) -> bool:
+    """Whether lines of two kinds, of which none names a number that the other does, tell the same time."""
+    shared = (before.keys() & record.keys()) - words.keys()
     return bool(shared) and shared <= HEADS and all(before[name] == record[name] for name in shared)
 
 

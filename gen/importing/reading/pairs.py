@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gen.importing.reading.rows.delimited import MOST_COLUMNS
+from gen.importing.reading.words import parted
 
 _NUMBER = r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(
@@ -26,7 +27,7 @@ _HEADS = (
     ("epoch", re.compile(r"^\s*\((?P<stamp>\d{9,10}\.\d{3,9})\)(?=\s)")),
     ("millis", re.compile(r"^\s*(?:\x1b\[[0-9;]*m)?[EWIDV] \((?P<stamp>\d+)\) [\w.-]{1,40}:(?=\s)")),
     ("millis", re.compile(r"^\s*[\[(]?\s*(?P<stamp>\d+) ?ms[\])]?(?=[\s,;:|>-])")),
-    ("seconds", re.compile(r"^\s*\[\s*(?P<stamp>\d+\.\d{3,9})\](?=\s)")),
+    ("seconds", re.compile(r"^\s*\[\s*(?P<stamp>\d+\.\d{1,9})\](?=\s)")),
     (
         "clock",
         re.compile(
@@ -89,7 +90,12 @@ def share_left(line: str) -> float:
         The line.
     """
     body = _headed(line)[1]
-    return len(_PAIR.sub("", _SECTION_MARK.sub("", body)).strip(" ,;|\t")) / max(len(body), 1)
+    left = _without_numbers(_SECTION_MARK.sub("", parted(body, _without_numbers)[1]))
+    return len(left.replace("|", "").strip(" ,;\t")) / max(len(body), 1)
+
+
+def _without_numbers(body: str) -> str:
+    return _PAIR.sub("", body)
 
 
 def _headed(line: str) -> tuple[dict[str, str], str]:
@@ -112,8 +118,9 @@ class _Pair:
 
 
 def _pairs(body: str) -> list[_Pair]:
-    """What a line names, with what stands before it in the way of `extruder: `."""
+    """The numbers that a line names, with what stands before them in the way of `extruder: `."""
     found, section, end = [], "", 0
+    body = parted(body, _without_numbers)[1]
     for match in _PAIR.finditer(body):
         named = _SECTION.search(body[end : match.start()])
         section, end = named["of"] if named else section, match.end()
@@ -127,6 +134,17 @@ def _pairs(body: str) -> list[_Pair]:
 def names_in(line: str) -> tuple[str, ...]:
     """The names of a line's numbers, in order."""
     return tuple(pair.key for pair in _pairs(_headed(line)[1]))
+
+
+def words_in(line: str) -> dict[str, str]:
+    """A line's words by their names.
+
+    Parameters
+    ----------
+    line
+        The line.
+    """
+    return parted(_headed(line)[1], _without_numbers)[0]
 
 
 def is_timed(line: str) -> bool:
