@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gen.errors import InputError
 from gen.runs import read_run
 from tests.importing.logs import TRUE, csv, same, take, taken, write
 
@@ -206,3 +207,82 @@ def test_a_scope_of_a_plc_with_a_head_for_each_channel(windows: bool, tmp_path: 
     np.testing.assert_allclose(np.diff(run.time_s[known]), 10.0, atol=1e-6)
     if windows:
         assert run.comments["started"].startswith("2026-11-26T10:00:00")
+
+
+def of_labview(
+    cells: Callable[[int], list[str]], said: dict[str, list[str]], names: tuple[str, ...] = ("PWM", "Winding", "Casing")
+) -> str:
+    """A measurement file whose channels have X columns of their own."""
+    head = ["LabVIEW Measurement\t", "Separator\tTab", "X_Columns\tMulti", "***End_of_Header***\t", "\t"]
+    head += ["\t".join([key, *texts, ""]) for key, texts in said.items()]
+    head += ["X0\t0.0\t0.0\t0.0\t", "Delta_X\t10.0\t10.0\t10.0\t", "***End_of_Header***\t\t\t\t"]
+    head += ["\t".join(f"X_Value\t{name}" for name in names) + "\tComment"]
+    return "\n".join([*head, *("\t".join(cells(i)) for i in range(len(TRUE)))])
+
+
+SAID = {"Channels": ["3"], "Y_Unit_Label": ["%", "Deg F", "Deg C"], "X_Dimension": ["Time"] * 3}
+
+
+def channels(i: int, rates: tuple[int, int, int] = (1, 1, 1), apart_s: float = 0.0) -> list[str]:
+    """One row of three channels, of which each tells its times."""
+    cells = []
+    shown = (TRUE.pwm / 2.55, TRUE.winding_degC * 1.8 + 32, TRUE.casing_degC)
+    for k, (values, rate) in enumerate(zip(shown, rates, strict=True)):
+        known = rate * i < len(TRUE)
+        time = 10 * rate * i + k * apart_s
+        cells += [f"{time:.6f}", f"{values[rate * i]:.6f}"] if known else ["", ""]
+    return cells
+
+
+def test_x_columns_of_one_rate_and_units_of_channels(tmp_path: Path) -> None:
+    run = taken(write(tmp_path, of_labview(channels, SAID)), tmp_path / "out")
+    assert run.pwm.tolist() == TRUE.pwm.tolist()
+    np.testing.assert_allclose(run.temps["winding"], TRUE.winding_degC, atol=1e-6)
+    np.testing.assert_allclose(run.temps["casing"], TRUE.casing_degC)
+    np.testing.assert_allclose(run.time_s, 10.0 * np.arange(len(TRUE)))
+
+
+@pytest.mark.parametrize("units", [["%", "Deg F", "Deg C"], []])
+def test_x_columns_of_several_rates(units: list[str], tmp_path: Path) -> None:
+    text = of_labview(
+        lambda i: channels(i, (1, 2, 3)), SAID | {"Y_Unit_Label": units}, ("PWM [%]", "Winding [degF]", "Casing")
+    )
+    run = taken(write(tmp_path, text), tmp_path / "out")
+    assert run.pwm.tolist() == TRUE.pwm.tolist()
+    for name, rate in (("winding", 2), ("casing", 3)):
+        known = np.isfinite(run.temps[name])
+        assert np.flatnonzero(known).tolist() == list(range(0, len(TRUE), rate))
+        np.testing.assert_allclose(run.temps[name][known], TRUE[f"{name}_degC"][::rate], atol=1e-6)
+
+
+def test_x_columns_of_channels_that_are_read_one_after_the_other(tmp_path: Path) -> None:
+    """A row for each time, unless they differ by next to nothing."""
+    run = taken(write(tmp_path, of_labview(lambda i: channels(i, apart_s=1.5), SAID)), tmp_path / "out")
+    assert run.time_s[:4].tolist() == [0.0, 1.5, 3.0, 10.0]
+    assert run.temps["casing"][2::3].tolist() == TRUE.casing_degC.tolist()
+    at_once = of_labview(lambda i: channels(i, apart_s=0.001), SAID)
+    assert taken(write(tmp_path, at_once), tmp_path / "out", overwrite=True).time_s.size == len(TRUE)
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({"Time": ["09:15:00", "09:15:00", "09:16:00"]}, "Time is 09:15:00 of one and 09:16:00 of another"),
+        ({"X_Dimension": ["Frequency"] * 3}, "found Frequency in X_Value, expected times"),
+    ],
+)
+def test_x_columns_that_are_no_times_from_one_beginning(
+    said: dict[str, list[str]], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=message):
+        take(write(tmp_path, of_labview(channels, SAID | said)), tmp_path / "out")
+
+
+def test_x_and_y_of_each_channel(tmp_path: Path) -> None:
+    lines = ["PWM X,PWM Y,Winding X,Winding Y,Casing X,Casing Y", "s,%,s,°F,s,°C"]
+    lines += [",".join(channels(i, (1, 2, 3))) for i in range(len(TRUE))]
+    run = taken(write(tmp_path, "\n".join(lines)), tmp_path / "out")
+    assert run.pwm.tolist() == TRUE.pwm.tolist()
+    known = np.isfinite(run.temps["winding_y"])
+    np.testing.assert_allclose(run.temps["winding_y"][known], TRUE.winding_degC[::2], atol=1e-6)
+    np.testing.assert_allclose(run.time_s[known], 20.0 * np.arange(len(TRUE) // 2))

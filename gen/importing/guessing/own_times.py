@@ -25,6 +25,10 @@ _MOST = 0.95
 """Of the rows of one of several tables, that have a time."""
 _APART = 0.5
 """Of the usual interval, by which two times of one row may drift apart and be those of one reading."""
+_OF_ONE_BEGINNING = {"x", "xvalue"}
+"""What columns of times are called that count from one time, such as LabVIEW's."""
+_SKEW = 0.05
+"""Of the usual interval, by which channels that are read one after the other are still read at once."""
 
 
 _Key = tuple[float, int]
@@ -80,12 +84,13 @@ def _in_pairs(table: Table, starts: Sequence[int]) -> list[_Group]:
     if any(entry.kind != "number" or _says_time(entry) for entry in facts[1::2]):
         return []
     # a processor's time beside that of the log is called otherwise
-    pairs = zip(facts[::2], facts[1::2], strict=True)
+    pairs = list(zip(facts[::2], facts[1::2], strict=True))
     if len({(entry.kind, entry.named[1], _called(entry, of)) for entry, of in pairs}) > 1:
         return []
+    go_alike = _at_once if _stem(*pairs[0]) in _OF_ONE_BEGINNING else _go_alike
     times = [_times(entry) for entry in facts[::2]]
     found = [_Group(2 * k, time, [2 * k + 1]) for k, time in enumerate(times) if time is not None]
-    alike = all(_go_alike(found[0].times, group.times) for group in found[1:])
+    alike = all(go_alike(found[0].times, group.times) for group in found[1:])
     return found if len(found) == len(times) and not alike else []
 
 
@@ -133,7 +138,10 @@ def _ends_once(time: FloatArray) -> bool:
 
 def _stem(facts: Facts, of: Facts) -> str:
     """What a column of times is called, without numbers and without the channel that it is of."""
-    base = facts.named[0].casefold().replace(of.named[0].casefold(), "")
+    base, channel = facts.named[0].casefold(), of.named[0].casefold()
+    if base.endswith("x") and channel.endswith("y"):  # `Winding X | Winding Y`
+        channel = channel[:-1].rstrip(" _.-")
+    base = base.replace(channel, "") if channel else base
     return "".join(c for c in base if c.isalpha())
 
 
@@ -160,6 +168,13 @@ def _go_alike(one: FloatArray, other: FloatArray) -> bool:
     steps = np.diff(one[both])
     apart = np.ptp(other[both] - one[both])
     return bool(apart < _APART * max(float(np.median(steps)), 1e-12))
+
+
+def _at_once(one: FloatArray, other: FloatArray) -> bool:
+    """Whether two columns of times that count from one beginning tell the same of each row."""
+    apart = np.abs(other - one)[np.isfinite(one) & np.isfinite(other)]
+    step = float(np.median(np.diff(one[np.isfinite(one)])))
+    return _go_alike(one, other) and bool(apart.max() < _SKEW * step)
 
 
 def _may_be_times(column: Column) -> bool:

@@ -15,6 +15,7 @@ from gen.errors import InputError
 from gen.importing.numbers import decimal_mark, thousands_or_fractions
 from gen.importing.reading.rows.annotated import of_one_head
 from gen.importing.reading.rows.broken_off import broken_off
+from gen.importing.reading.rows.channels import have_own_times, units_by_channel
 from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
 from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
 from gen.importing.reading.rows.later_heads import under_one_head
@@ -175,7 +176,9 @@ def _titled(
     if not names:
         first = _behind_a_preamble(rows, first, width)
         names, units = names_above(rows[:first], width, comments)
-    if names and not any(units):
+    if names and have_own_times(names):
+        units = units_by_channel(rows[:first], names)
+    elif names and not any(units):
         units = listed_units(rows[:first], comments, names) or units
     return first, with_labels(names, rows[: max(first - _FEW_HEADS, 0)]), units
 

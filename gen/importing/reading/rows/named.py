@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from gen.errors import InputError
 from gen.importing.listing import listed
 from gen.importing.reading.rows.cells import DELIMITERS
+from gen.importing.reading.rows.channels import LABVIEWS_TIMES
 from gen.importing.reading.rows.heads import (
     STATISTIC,
     is_label,
@@ -48,7 +49,8 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
     if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
         return with_groups(heads[-2], heads[-3] if len(heads) > 2 else []), heads[-1]
     if heads:
-        return with_groups(heads[-1], heads[-2] if len(heads) > 1 else []), [""] * width
+        grouped = len(heads) > 1 and heads[-1][0].strip() != LABVIEWS_TIMES  # above which channels are described
+        return with_groups(heads[-1], heads[-2] if grouped else []), [""] * width
     for text in reversed(comments):  # as numpy.savetxt writes it
         for delimiter in DELIMITERS:
             row = text.split() if delimiter == " " else text.split(delimiter)
