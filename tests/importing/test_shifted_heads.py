@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,14 @@ def test_rows_that_are_counted_before_the_first_name(first: int, mark: str, quot
         for i, row in enumerate(KNOWN.to_numpy())
     ]
     same(taken(write(tmp_path, "\n".join(lines)), tmp_path / "out"), KNOWN)
+
+
+def test_counted_rows_of_which_two_share_a_time(tmp_path: Path) -> None:
+    rows = [f"{i + 1},{time:g},{pwm:g},{winding}" for i, (time, pwm, winding) in enumerate(KNOWN.to_numpy())]
+    rows[7] = rows[7].replace(f",{KNOWN['time_s'][7]:g},", f",{KNOWN['time_s'][6]:g},")
+    run = taken(write(tmp_path, "\n".join([",".join(NAMES), *rows])), tmp_path / "out")
+    assert run.time_s[-1] == KNOWN["time_s"].iloc[-1]
+    assert run.pwm[-1] == KNOWN["pwm"].iloc[-1]
 
 
 def test_a_comma_before_milliseconds(tmp_path: Path) -> None:
@@ -84,13 +93,36 @@ def test_a_header_that_counts_like_rows_keeps_its_names(tmp_path: Path) -> None:
         np.testing.assert_array_equal(run.time_s, np.arange(len(TRUE)))
 
 
-@pytest.mark.parametrize("parts", ["153", "154"], ids=["one", "two"])
-def test_what_may_be_milliseconds_or_a_number_of_its_own(parts: str, tmp_path: Path) -> None:
+def test_a_first_name_that_nobody_knows_is_that_of_the_times(tmp_path: Path) -> None:
+    log = write(tmp_path, "\n".join(["Messpunkt,PWM,winding [C]", *clocked(",", "21.5")]))
+    run = taken(log, tmp_path / "out", units={"PWM": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S", "%H:%M:%S"])
+@pytest.mark.parametrize("mark", [",", ";"])
+def test_times_before_the_first_name(mark: str, form: str, tmp_path: Path) -> None:
+    """No name is one of times: it is that of the names of rows that is missing."""
+    rows = clocked(mark, "21.5", form)
+    head = mark.join(["PWM", "winding [C]", "casing [C]"])
+    run = taken(write(tmp_path, "\n".join([head, *rows])), tmp_path / "out", units={"PWM": "counts"})
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+    np.testing.assert_allclose(np.diff(run.time_s), 10.0)
+
+
+@pytest.mark.parametrize(
+    "part",
+    [lambda i: 153, lambda i: 153 + i % 2, lambda i: 153 + 29 * i % 847 if i else 7],
+    ids=["one", "two", "not of three digits"],
+)
+def test_what_may_be_milliseconds_or_a_number_of_its_own(part: Callable[[int], int], tmp_path: Path) -> None:
     rows = [
-        f"2026-03-02 08:{15 + i // 6:02d}:{10 * (i % 6):02d},{parts if i % 2 else 153},{pwm:g},{winding}"
+        f"2026-03-02 08:{15 + i // 6:02d}:{10 * (i % 6):02d},{part(i)},{pwm:g},{winding}"
         for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())
     ]
-    with pytest.raises(InputError, match=r"is 2026-03-02 08:15:00,153 one time, .* a point before milliseconds"):
+    with pytest.raises(InputError, match=r"is 2026-03-02 08:15:00,(153|7) one time, .* a point before milliseconds"):
         taken(write(tmp_path, "\n".join(["time,pwm,winding temp", *rows])), tmp_path / "out")
 
 

@@ -20,7 +20,7 @@ from gen.importing.reading.rows.heads import is_label, listed_units, paired_head
 from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
 from gen.importing.reading.rows.later_heads import under_one_head
 from gen.importing.reading.rows.named import check_surplus, lacks_a_name, names_above
-from gen.importing.reading.rows.shifted import counts_rows, milliseconds, parts_times
+from gen.importing.reading.rows.shifted import first_name, milliseconds, parts_times
 from gen.importing.reading.rows.transposed import upright
 from gen.importing.reading.rows.unit_columns import with_units
 from gen.importing.reading.tagged.prometheus import without_labels
@@ -123,8 +123,8 @@ def _shifted(
     """Names of a header that has one less than its rows, each on the column that it is of."""
     if not names[0].strip() or not any(map(str.strip, cells[-1])):
         return names, units
-    if counts_rows(names, cells):
-        return ["row", *names[:-1]], ["", *units[:-1]]
+    if first := first_name(names, cells):
+        return [first, *names[:-1]], ["", *units[:-1]]
     if parts_times(names, cells):
         return [names[0], "clock", *names[1:-1]], [units[0], "", *units[1:-1]]
     if reading.delimiter != ",":

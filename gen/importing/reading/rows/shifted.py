@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from gen.importing.clock import is_time, kind_of
-from gen.importing.guessing.names import TIME
+from gen.importing.guessing.names import AMBIENT, OTHER, PARTS, TIME
 from gen.importing.numbers import plain_number
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name
@@ -16,14 +16,16 @@ _SAMPLE = 400
 _LEAST = 3
 """Columns."""
 _WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
-_MILLIS = re.compile(r"\d{3}")
+_MILLIS = re.compile(r"\d{1,3}")
+_DIGITS = 3
 _MOST_PWM = 255
 _LEAST_DIFFERENT = 0.5
 """Of the rows, whose milliseconds are not those of any other."""
+_MOSTLY = 0.5
 
 
-def counts_rows(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
-    """Whether the first column is that without a name, and counts rows, as R writes them.
+def first_name(names: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    """What the first column is, where it is that without a name: "row" or "time", as R writes them; else empty.
 
     Parameters
     ----------
@@ -33,10 +35,12 @@ def counts_rows(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
         Of the columns.
     """
     first = list(cells[0][:_SAMPLE])
-    if len(names) < _LEAST or len(first) < 2 or first not in ([str(i + k) for i in range(len(first))] for k in (0, 1)):
-        return False
     timed = next((i for i, name in enumerate(names) if _is_time(name)), None)
-    return timed is None or _rises(cells[timed + 1][:_SAMPLE])
+    if timed is None and kind_of(first) in ("instant", "clock") and _is_quantity(names[0]):
+        return "time"
+    if len(names) < _LEAST or len(first) < 2 or first not in ([str(i + k) for i in range(len(first))] for k in (0, 1)):
+        return ""
+    return "row" if timed is None or _rises(cells[timed + 1][:_SAMPLE]) else ""
 
 
 def parts_times(names: Sequence[str], cells: Sequence[Sequence[str]]) -> bool:
@@ -73,8 +77,9 @@ def milliseconds(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[
     for at, (times, parts) in enumerate(pairwise(cells), start=1):
         if all(map(_MILLIS.fullmatch, parts)) and all(map(_WHOLE_SECONDS.search, times)):
             sample = parts[:_SAMPLE]
-            different = len(set(sample)) >= _LEAST_DIFFERENT * len(sample)
-            return at, different and max(map(int, parts)) > _MOST_PWM
+            go_far = max(map(int, parts)) > _MOST_PWM and len(set(sample)) >= _LEAST_DIFFERENT * len(sample)
+            of_three = all(len(part) == _DIGITS for part in parts)
+            return at if go_far or of_three else 0, go_far and of_three
     return 0, False
 
 
@@ -83,13 +88,19 @@ def _is_time(name: str) -> bool:
     return bool(TIME.fullmatch(base.casefold())) or (unit is not None and unit.quantity == TIME_QUANTITY)
 
 
+def _is_quantity(name: str) -> bool:
+    return split_name(name)[1] is not None or any(words.search(name) for words in (PARTS, AMBIENT, OTHER))
+
+
 def _is_word(cell: str) -> bool:
     return any(map(str.isalpha, cell)) and plain_number(cell.strip()) is None
 
 
 def _rises(cells: Sequence[str]) -> bool:
+    """Whether a column may be one of times, of which a few may be the same."""
     if all(is_time(cell.strip()) for cell in cells):
         return True
     numbers = [plain_number(cell.strip().replace(",", ".")) for cell in cells]
     known = [number for number in numbers if number is not None]
-    return len(known) == len(cells) and all(a < b for a, b in pairwise(known))
+    steps = [b - a for a, b in pairwise(known)]
+    return len(known) == len(cells) and min(steps) >= 0 and sum(step > 0 for step in steps) > _MOSTLY * len(steps)
