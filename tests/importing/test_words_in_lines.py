@@ -38,6 +38,19 @@ def test_words_that_change_lose_no_line(line: str, tmp_path: Path) -> None:
     same(taken(tmp_path / "log.csv", tmp_path / "again", units={"pwm": "counts"}), KNOWN)
 
 
+@pytest.mark.parametrize(("unit", "each_s"), [("min", 60.0), ("h", 3600.0), ("us", 1e-6), ("ms", 1e-3)])
+def test_a_unit_of_times_behind_them(unit: str, each_s: float, tmp_path: Path) -> None:
+    """None of it goes to the next name."""
+    rows = [
+        f"t={10 * i}{unit} pwm={pwm:g} winding={winding}C load={i % 7}W casing={casing}C"
+        for i, (_, pwm, winding, casing) in enumerate(KNOWN.to_numpy())
+    ]
+    run = taken(write(tmp_path, "\n".join(rows)), tmp_path / "out", units={"pwm": "counts"})
+    np.testing.assert_allclose(run.time_s, 10 * each_s * np.arange(len(TRUE)), atol=1e-9)
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["casing"], TRUE["casing_degC"])
+
+
 def test_a_direction_is_that_of_the_input(tmp_path: Path) -> None:
     rows = [
         f"t={time}s pwm={pwm:g} dir={'REV' if time > 30 else 'FWD'} winding={winding}C"

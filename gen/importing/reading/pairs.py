@@ -13,7 +13,7 @@ from gen.importing.reading.words import parted
 _NUMBER = r"[+-]?\d*[.,]?\d+(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(
     r"(?P<key>[A-Za-zÄÖÜäöü°%µ@][\w°%µ@ ./()\[\]-]{0,40}?)\s*[:=]\s*(?P<value>" + _NUMBER + r"|nan|null)"
-    r"(?P<unit>\s?(?:[°'*º]\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|ms|s)(?=[\s,;|]|$))?"
+    r"(?P<unit>\s?(?:[°'*º]\s?[CFK]|degC|degF|[CFKVA%]|mA|mV|rpm|[muµμ]?s|min|h|[mk]?W)(?=[\s,;|]|$))?"
     r"(?:\s?/\s?(?P<target>" + _NUMBER + r")(?=[\s,;|]|$))?",
     re.IGNORECASE,
 )
