@@ -78,3 +78,11 @@ def test_a_rest_that_does_not_fit_is_refused(rest: float, message: str, tmp_path
     path = write(tmp_path, csv(frame.assign(pwm=values).rename(columns={"pwm": "mA"})))
     with pytest.raises(InputError, match=message):
         take(path, tmp_path / "out", input="mA", rest=rest, full_scale=20.0)
+
+
+def test_a_rest_in_another_unit_than_its_column_is_refused(tmp_path: Path) -> None:
+    """Pulses in ms with a rest in us: all of it would be backwards."""
+    frame = truth()
+    path = write(tmp_path, csv(frame.assign(pwm=np.where(frame.pwm > 0, 1.8, 1.0)).rename(columns={"pwm": "Pulse"})))
+    with pytest.raises(InputError, match="never goes beyond the rest of 1000"):
+        take(path, tmp_path / "out", input="Pulse", rest=1000.0, full_scale=2000.0)

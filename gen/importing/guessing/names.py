@@ -47,8 +47,13 @@ DRIVES = _words(
     r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*|@"
 )
 SIGN = _words(
-    r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting"
+    r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting|"
+    r"rotation|drehsinn"
 )
+BACKWARDS = _words(r"reversed?|backwards?|rev|r(?:ü|ue)ckw(?:ä|ae)rts")
+"""A flag that is 1 where a motor turns backwards."""
+NO_SIGN = _words(r"valve|ventil|wind|flow|damper|klappe|door|air|fans?|pump|conveyor|stage|axis|trend|scan|sort")
+"""Whose direction is not the motor's."""
 NO_TEMPERATURE = re.compile(languages.TIME_ONLY, re.IGNORECASE)
 RUNS = re.compile(
     r"(?:run|runs|run.?id|run.?name|test|test.?id|experiment|session|trial|profile.?id|versuch|lauf|file)"

@@ -116,8 +116,13 @@ def _repeats(whole: IntArray) -> bool:
 
 def _whole_seconds(column: Column, mark: str) -> IntArray | None:
     """Whole numbers that do not fall; None for others."""
-    values = parse(column.cells, mark).values if isinstance(column.cells, list) else column.cells
-    if not values.size or values.dtype.kind != "f" or not np.all(np.isfinite(values)) or np.any(values % 1.0):
+    if isinstance(column.cells, list):
+        values = parse(column.cells, mark).values
+    elif column.cells.dtype.kind == "f":
+        values = np.asarray(column.cells, dtype=np.float64)
+    else:
+        return None
+    if not values.size or not np.all(np.isfinite(values)) or np.any(values % 1.0):
         return None
     whole = values.astype(np.int64)
     steps = np.diff(whole)
