@@ -450,3 +450,23 @@ def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> No
     log = write(tmp_path, "\n".join([f"Time,{head},PWM,Winding [C]", *rows]))
     with pytest.raises(InputError, match="repeat the time of the row before; expected --duplicates"):
         take(log, tmp_path / "out")
+
+
+@pytest.mark.parametrize("late", ["received_at", "Uploaded", "server time"])
+@pytest.mark.parametrize("own", ["timestamp", "ts"])
+def test_when_a_reading_arrived_is_not_when_it_was_taken(late: str, own: str, tmp_path: Path) -> None:
+    at = pd.Timestamp("2024-03-14 09:15:00") + pd.to_timedelta(TRUE.time_s, unit="s")
+    taken_at = at if own == "timestamp" else (at - pd.Timestamp("1970-01-01")) / pd.Timedelta("1s")
+    arrived = at + pd.to_timedelta(np.where(TRUE.index % 7, 0.3, 4.0), unit="s")
+    frame = pd.DataFrame({late: arrived, own: taken_at}).join(TRUE.drop(columns="time_s"))
+    np.testing.assert_allclose(taken(write(tmp_path, csv(frame)), tmp_path / "out").time_s, TRUE.time_s, atol=1e-6)
+
+
+def test_hours_that_a_machine_has_worked_and_times_of_steps_are_not_the_log_s(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2024-03-14 09:15:00") + pd.to_timedelta(TRUE.time_s, unit="s")
+    frame = TRUE.assign(time_s=stamps).rename(columns={"time_s": "Timestamp"})
+    frame.insert(0, "Operating hours [h]", np.round(1203.5 + TRUE.time_s / 3600, 3))
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "hours"), TRUE)
+    frame = TRUE.rename(columns={"time_s": "Total time (s)"})
+    frame.insert(0, "Step time (s)", TRUE.time_s % 30.0)
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "steps"), TRUE)

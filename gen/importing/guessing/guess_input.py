@@ -103,6 +103,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
     taken += f", of a {choices.machine}" if choices.machine else ""
     shown = quoted(f"{entry.name}=percent")
     settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL else f"--full-scale {scale.full:g}"
+    settle = f"--rest 1000 (or 1500) --full-scale 2000 of pulses in us, {settle} of counts" if _pulse(entry) else settle
     return form, [
         Guess(entry.name, taken, min(confidence, scale.confidence), "; ".join(filter(None, (why, scale.why))), settle)
     ]
