@@ -89,3 +89,14 @@ def test_an_input_that_is_often_no_number_is_refused_and_now_and_then_held(tmp_p
     few = DRIVEN.pwm.astype(str).where(TRUE.index % 60 != 10, "1#3")
     found = take(write(tmp_path, csv(DRIVEN.assign(pwm=few))), tmp_path / "few")
     np.testing.assert_array_equal(read_run(found.runs[0]).pwm, DRIVEN.pwm)
+
+
+def test_an_input_that_is_empty_where_it_may_be_off_is_told(tmp_path: Path) -> None:
+    empty = DRIVEN.assign(pwm=np.where(DRIVEN.pwm > 0, DRIVEN.pwm.astype(str), ""))
+    found = take(write(tmp_path, csv(empty)), tmp_path / "out")
+    (said,) = found.warnings
+    assert "45 of 120 rows have none, and no row has 0: the last one is held" in said
+    changes = DRIVEN.assign(pwm=DRIVEN.pwm.astype(str).where(DRIVEN.pwm.diff() != 0, ""))  # as of a log of changes
+    found = take(write(tmp_path, csv(changes)), tmp_path / "changes")
+    assert found.warnings == []
+    np.testing.assert_array_equal(read_run(found.runs[0]).pwm, DRIVEN.pwm)

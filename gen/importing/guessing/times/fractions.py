@@ -137,8 +137,9 @@ def _is_of_seconds(column: Column, whole: IntArray) -> bool:
 
 
 def _tokens(column: Column) -> list[str]:
-    """The words of a column's name, its unit last."""
-    return _TOKENS.findall(f"{column.name} {column.unit}".casefold())
+    """The words of a column's name, its unit last: of `ms` above `ms` once."""
+    found = _TOKENS.findall(f"{column.name} {column.unit}".casefold())
+    return [word for k, word in enumerate(found) if k == 0 or word != found[k - 1]]
 
 
 def _scale(column: Column, before: Column) -> float:
