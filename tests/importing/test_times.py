@@ -445,6 +445,15 @@ def test_the_parts_of_a_date_in_columns_of_their_own(head: str, seconds: bool, t
     assert list(run.extras) == []
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_minutes_and_seconds_in_columns_of_their_own(decimal: str, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s * 3.0)
+    frame.insert(0, "sec", frame.time_s % 60.0)
+    frame.insert(0, "min", (frame.time_s // 60.0).astype(int))
+    shown = csv(frame.drop(columns="time_s"), sep=";", decimal=decimal)
+    same(taken(write(tmp_path, shown), tmp_path / "out"), TRUE.assign(time_s=TRUE.time_s * 3.0))
+
+
 @pytest.mark.parametrize("head", ["latency (ms)", "ms"])
 def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> None:
     """What a loop took, beside times of a coarse clock."""
