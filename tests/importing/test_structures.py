@@ -187,5 +187,5 @@ def test_formulas_that_nobody_computed_are_told(column: int, tmp_path: Path) -> 
         sheet.cell(line, column, f"={sheet.cell(line, column).value}*1")
     path = tmp_path / "log.xlsx"
     book.save(path)
-    with pytest.raises(InputError, match="120 formulas have no stored value, .* open the workbook in a spreadsheet"):
+    with pytest.raises(InputError, match=r"120 formulas have no stored value, .* open the workbook in a spreadsheet"):
         take(path, tmp_path / "out")

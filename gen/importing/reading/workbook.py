@@ -63,8 +63,8 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
         ) from None
     if unknown > _MOST_UNCOMPUTED:
         raise InputError(
-            f"{unknown} formulas have no stored value, as of a program that does not compute them; open the workbook in "
-            "a spreadsheet program and save it"
+            f"{unknown} formulas have no stored value, as of a program that does not compute them; open the workbook "
+            "in a spreadsheet program and save it"
         )
     if wanted and wanted not in sheets:
         raise InputError(f'found "{wanted}", expected one of the sheets {listed(sheets)}', place="--sheet")
