@@ -18,24 +18,22 @@ from gen.importing.local import goes_ahead_an_hour, told_reset
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
 from gen.importing.overflow import overflows
-from gen.importing.stray import stray, too_warm
-from gen.importing.suspicions import suspicions
-from gen.importing.switched_units import switched_at
 from gen.importing.table import Cells, Counted, FloatArray, IntArray
+from gen.importing.taken import suspect, warn_of_readings
 from gen.importing.timing import ticks_of, timed
 from gen.importing.units import split_name, unit_of
 from gen.runs import AMBIENT, Run
 
 _MOST_REPEATED = 0.1
 _FEW_REPEATED = 5
+_MOST_HELD = 0.05
+"""Of the rows, up to which an input may be missing without a word, where it is never 0."""
 _MOST_UNTIMED = 0.5
 _MOST_BACKWARD = 0.5
 """Of the rows: a clock that begins anew at more of them runs backward."""
 _CELSIUS = (-273.15, 5000.0)
 _HIGHEST = 1e12
 _DIGITS = 9
-_FIRST = 5
-"""Readings, by whose median a column begins."""
 _DATED_ONLY = " (which needs dates with the times)"
 
 
@@ -116,8 +114,8 @@ def convert(
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
             run = _run(kept, order.time_s[first:end], held, channels, begun)
             made.runs.append((name, run))
-    _warn_of_strays(channels, time, made)
-    _suspect(made, {entry.to: entry.unit for entry in mapping.column})
+    warn_of_readings(channels, time, made)
+    suspect(made, {entry.to: entry.unit for entry in mapping.column})
     return made
 
 
@@ -171,7 +169,13 @@ def _left_out(
 ) -> None:
     missing = ~np.isfinite(drive)
     made.count("row before the first input, left out", np.flatnonzero(~known), mapping.input.column)
-    made.count("missing input, held from the row before", np.flatnonzero(missing & usable), mapping.input.column)
+    held = np.flatnonzero(missing & usable)
+    made.count("missing input, held from the row before", held, mapping.input.column)
+    if held.size > _MOST_HELD * usable.sum() and not np.any(drive == 0.0):
+        made.warnings.append(
+            f"{made.table.label}: {mapping.input.column}: {held.size} of {int(usable.sum())} rows have none, and no "
+            "row has 0: the last one is held; if an empty field means off, put 0 there first"
+        )
     if usable.sum() < _MOST_UNTIMED * usable.size:
         what = ", ".join(mapping.time.columns) if np.isfinite(time).mean() < _MOST_UNTIMED else mapping.input.column
         raise InputError(
@@ -298,49 +302,6 @@ def _run(kept: IntArray, time: FloatArray, drive: FloatArray, channels: dict[str
 
 def _is_part(name: str) -> bool:
     return name.endswith("_degC") and name != AMBIENT
-
-
-def _suspect(made: Converted, units: dict[str, str]) -> None:
-    """Once for each column of a table, from the run that says it first."""
-    told: set[str] = set()
-    for _, run in made.runs:
-        found = suspicions({f"{name}_degC": values for name, values in run.temps.items()}, run.ambient, units)
-        for name, (said, unit) in found.items():
-            if name not in told:
-                told.add(name)
-                made.warnings.append(f"{made.table.label}: {name}: {said}; if so: --unit {name}={unit}")
-
-
-def _warn_of_strays(channels: dict[str, FloatArray], time: FloatArray, made: Converted) -> None:
-    """Of readings that are taken as they stand, though no motor has them; refuse those whose unit changes.
-
-    Raises
-    ------
-    InputError
-        Without a file name, with the place: from there on all temperatures are in another unit.
-    """
-    temps = {name: np.where(np.isfinite(time), v, np.nan) for name, v in channels.items() if name.endswith("_degC")}
-    switched = switched_at(temps, time)
-    if switched is not None:
-        raise InputError(
-            f"all temperatures go on as what they were before in {switched[1]}; expected one unit: put the rows from "
-            "there on into a file of their own, and say theirs with --unit",
-            place=made.table.place(switched[0]),
-        )
-    for name, values in temps.items():
-        found = stray(values)
-        if found is not None:
-            made.warnings.append(
-                f"{made.table.label}: {name}: {found.count} x far from the readings before and behind, first "
-                f"{found.value:g} degC at {made.table.place(found.row)}: an open sensor? taken as it stands"
-            )
-    known = {name: values[np.isfinite(values)] for name, values in temps.items()}
-    starts = {name: float(np.median(values[:_FIRST])) for name, values in known.items() if values.size}
-    for name in too_warm(starts):
-        made.warnings.append(
-            f"{made.table.label}: {name}: begins at {starts[name]:g} degC where others begin cold: no sensor there? "
-            "taken as it stands; --column with an empty name leaves it out"
-        )
 
 
 def with_comments(run: Run, comments: dict[str, str]) -> Run:

@@ -17,6 +17,8 @@ from gen.importing.units import unit_of
 
 _FULL = 255
 _HALF_A_COUNT = 0.5
+_MOST_UNREAD, _FEW_UNREAD = 0.05, 3
+"""Of the rows, and rows, up to which an input may be text, as in a damaged capture: it is held there."""
 _AT_REST = 0.02
 """Of the full scale, about a rest that is not 0: a signal of 4 to 20 mA rests at 4.02 mA, or at 3.97 mA."""
 
@@ -73,6 +75,13 @@ def drive_of(
     facts = evidence.facts[form.column]
     parsed = facts.parsed_in(index, unit_of(form.unit))
     count_units_apart(facts, parsed, form.unit, made)
+    unread = np.flatnonzero(parsed.text & np.isfinite(time))
+    if unread.size > max(_MOST_UNREAD * np.isfinite(time).sum(), _FEW_UNREAD):
+        cell = facts.columns[index].cells[int(unread[0])]
+        raise InputError(
+            f'found "{cell}", and no number in {unread.size} of {time.size} rows; expected numbers, or words as OFF',
+            place=table.place(int(unread[0]), form.column),
+        )
     made.count("text in a number's field", np.flatnonzero(parsed.text), form.column)
     made.count('word for "no number"', np.flatnonzero(parsed.words), form.column)
     found = parsed.values.copy()
@@ -88,11 +97,18 @@ def drive_of(
             np.flatnonzero(resting & (values != 0.0)),
             form.column,
         )
-        made.count("below the rest, taken as backwards", np.flatnonzero(values < -_AT_REST * _FULL), form.column)
+        below = values < -_AT_REST * _FULL
+        if below.any() and not np.any(values > _AT_REST * _FULL):
+            raise InputError(
+                f"never goes beyond the rest of {form.rest:g} {form.unit}, but below it; expected --rest and "
+                "--full-scale in its unit",
+                place=table.place(int(np.argmax(below)), form.column),
+            )
+        made.count("below the rest, taken as backwards", np.flatnonzero(below), form.column)
         values[resting] = 0.0
     if form.sign:
         sign = evidence.facts[form.sign].parsed[index].values
-        values = values * np.where(sign < 0, -1.0, 1.0)
+        values = values * np.where(sign < 0 if form.backwards is None else sign == form.backwards, -1.0, 1.0)
     in_time = np.where(np.isfinite(time), found, np.nan)
     beyond = np.flatnonzero(_beyond(in_time, form))
     if beyond.size:

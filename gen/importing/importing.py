@@ -167,7 +167,7 @@ def _with_options(known: Mapping, choices: Choices) -> Mapping:
             ("--time", choices.time),
             ("--input", choices.drive),
             ("--full-scale", choices.full_scale),
-            ("--rest", choices.rest),
+            ("--rest", choices.rest is not None),
             ("--drives", choices.machine),
             ("--column", choices.columns),
             ("--unit", choices.units),

@@ -67,6 +67,7 @@ class InputForm(_Part):
     full_scale: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 255.0
     rest: Annotated[float, Field(allow_inf_nan=False)] = 0.0
     sign: str = ""
+    backwards: Annotated[float, Field(allow_inf_nan=False)] | None = None
     drives: Machine | Literal[""] = ""
     counts: Annotated[int, Field(ge=-255, le=255)] | None = None
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from gen.importing.guessing.names import SIGN
+from gen.importing.guessing.names import DRIVES, DUTY, NO_SIGN, PWM, SIGN
 from gen.importing.listing import listed
 from gen.importing.numbers import NAN_WORDS
 from gen.importing.table import Column, Counted, Table
@@ -24,6 +24,7 @@ _WORDS = (
 )
 _WAYS = (
     ("cw", "ccw"),
+    ("cw", "acw"),
     ("clockwise", "counterclockwise"),
     ("clockwise", "counter-clockwise"),
     ("clockwise", "anticlockwise"),
@@ -37,6 +38,19 @@ _WAYS = (
     ("vorwärts", "rückwärts"),
 )
 """Which way a motor turns: the first one is that of a positive input."""
+_WAYS_BY_NAME = (
+    *_WAYS,
+    ("f", "r"),
+    ("f", "b"),
+    ("right", "left"),
+    ("positive", "negative"),
+    ("pos", "neg"),
+    ("plus", "minus"),
+    ("+", "-"),
+    ("up", "down"),
+)
+"""The same where the column's name says that it is a direction."""
+_NO_WAY = "stop stopped brake braking coast coasting idle off none neutral n rest halt stopp aus steht standby"
 _ACTIVE = (
     "on heat heats heating run runs running active energized energised ein an heizen heizt heizung läuft betrieb aktiv "
     "marche chauffe chauffage acceso riscalda encendido calienta ligado aan verwarmen"
@@ -47,6 +61,7 @@ _RESTING = (
     "refroidit spento fermo attesa apagado parado espera desligado uit koelen"
 )
 """What says that something is given power, and that it is not. A fault, a hold and what is ready say neither."""
+_TURNING = "direction of {}, taken for 1 or -1"
 _BETWEEN = re.compile(r"[\s_:=]+")
 _MOST_STATES = 8
 NOTHING = NAN_WORDS | {"", "unavailable", "unknown"}
@@ -103,21 +118,51 @@ def _ends(cells: Sequence[str]) -> list[str]:
     return [ends.get(cell.strip(), cell) for cell in cells]
 
 
-def _either(cells: Sequence[str], words: Sequence[tuple[str, str]], other: str) -> list[str] | None:
-    """``1`` for the first of a pair of words, and what the second stands for; None where anything else stands."""
-    first = {cell.strip().casefold() for cell in cells[:_SAMPLE]} - NOTHING
+def _either(
+    cells: Sequence[str], words: Sequence[tuple[str, str]], other: str, neither: Collection[str] = ()
+) -> list[str] | None:
+    """``1`` for the first of a pair of words, what the second stands for, ``0`` for neither; None for anything else."""
+    nothing = NOTHING - {word for pair in words for word in pair}
+    first = {cell.strip().casefold() for cell in cells[:_SAMPLE]} - nothing - set(neither)
     if not any(first <= set(pair) for pair in words):
         return None
     folded = [cell.strip().casefold() for cell in cells]
-    said = set(folded) - NOTHING
+    said = set(folded) - nothing - set(neither)
     for one, second in words:
         if said and said <= {one, second}:
-            return ["1" if cell == one else other if cell == second else "" for cell in folded]
+            meant = {one: "1", second: other} | dict.fromkeys(neither, "0")
+            return [meant.get(cell, "") for cell in folded]
     return None
 
 
+def _turning(column: Column, words: Sequence[str]) -> list[str] | None:
+    """``1`` and ``-1`` for the ways that a motor turns, ``0`` where it does not; None for a column of anything else."""
+    if SIGN.search(column.name):
+        return _either(words, _WAYS_BY_NAME, "-1", _NO_WAY.split())
+    return _either(words, _WAYS, "-1", _NO_WAY.split()) if not NO_SIGN.search(column.name) else None
+
+
+def said_its_way(table: Table, name: str) -> bool:
+    """Whether a table that was `switched` had words for the ways that a motor turns in a column."""
+    return any(found.what == _TURNING.format(name) for found in table.counted)
+
+
+def _resting(column: Column, words: Sequence[str], drive: str) -> list[str] | None:
+    """Numbers of an input with ``0`` where a word says that it is off; None where no word does."""
+    said = f"{column.name} {column.unit}"
+    if column.name != drive and not (PWM.search(said) or DUTY.search(said) or DRIVES.search(said)):
+        return None
+    texts = {cell.strip().casefold() for cell in words if not cell[:1].isdigit()}
+    off = texts & {*_RESTING.split(), "false"}
+    if not off or not any(cell[:1].isdigit() for cell in words):
+        return None
+    return ["0" if cell.strip().casefold() in off else cell for cell in words]
+
+
 def switched(table: Table, but: Collection[str] = (), drive: str = "") -> Table:
-    """Give a table whose columns of on and off hold 1 and 0, and those of directions 1 and -1, which is counted.
+    """Give a table whose columns of on and off hold 1 and 0, those of directions 1 and -1, and inputs 0 for off.
+
+    All of it is counted.
 
     Parameters
     ----------
@@ -137,10 +182,15 @@ def switched(table: Table, but: Collection[str] = (), drive: str = "") -> Table:
         if states is not None:
             found = ["1" if cell.strip() == states[0] else "0" if cell.strip() in states[1] else "" for cell in words]
             what = f"state of {column.name}: {states[0]} taken for 1, {listed(states[1])} for 0"
-        if words and found is None and SIGN.search(column.name):
-            found = _either(words, _WAYS, "-1")
-            what = f"direction of {column.name}, taken for 1 or -1"
+        if words and found is None:
+            found = _turning(column, words)
+            what = _TURNING.format(column.name)
+        count = sum(1 for cell in found or () if cell)
+        if words and found is None:
+            found = _resting(column, words, drive)
+            what = f"word for off in {column.name}, taken for 0"
+            count = sum(1 for cell, made in zip(words, found or words, strict=True) if cell != made)
         if found is not None:
-            counted.append(Counted(what, sum(1 for cell in found if cell), f"column {column.name}"))
+            counted.append(Counted(what, count, f"column {column.name}"))
         columns.append(column if found is None else Column(column.name, found, column.unit))
     return replace(table, columns=columns, counted=tuple(counted))

@@ -100,8 +100,27 @@ _SPELT_LAST = re.compile(
     r"(?<=emperature)(?P<full>[CFK])|(?<=ime|sed|amp)(?P<time>Ms|Millis|Us|Micros|Secs?|Seconds|Mins?|Minutes|Hours))"
 )
 """A unit with nothing before it but a capital, or a point: `tempF`, `winding.fahrenheit`, `windingDegC`, `timeMs`."""
+_FOREIGN = (
+    "dba db dbm um µm μm mm cm m in inch mil %rh rh %r.h. %rf adc bit bits mt t gauss kg n kn mn va kva "
+    "var kvar mω ω ohm ohms kohm mohm kω pa hpa kpa mpa mbar bar psi torr hz khz mhz j kj wh kwh ah mah "
+    "µh uh mh µf uf nf pf wb mwb lux lx lm cd ticks a.u. au arb p.u. pu eu - ppm ppb µg/m³ µg/m3 kg/m3 "
+    "kg/m³ g/m3 g/m³ m/s mm/s m/s2 m/s² l/min l/h m3/h m³/h lpm cfm sccm rad mrad steps pulses s/m µs/cm "
+    "n·m w/m2 w/m² g/s kg/s kg/h "
+)
+"""Units of what is no temperature, input or time: no part's reading that has one is in degrees."""
+_ANY_DEGREES = frozenset({"deg", "°", "degree", "degrees", "°ré", "°re", "°r", "grad", "grade"})
 _ALONE = {"deg", "count", "raw", "digits", "d", "min", "cnt", "duty", "perc", "fraction", "grad"}
 """No units where they only stand behind an underscore or a stroke: `cell_count`, `T_min`, `motor/duty`."""
+
+
+def is_foreign(text: str) -> bool:
+    """Whether a text is a unit of something that is no temperature, input or time."""
+    return text.strip().casefold() in _FOREIGN.split()
+
+
+def is_any_degree(text: str) -> bool:
+    """Whether a text says degrees, and not of what."""
+    return text.strip().casefold() in _ANY_DEGREES
 
 
 @lru_cache(maxsize=4096)

@@ -13,7 +13,7 @@ from gen.importing.reading.rows.heads import with_labels
 from tests.importing.logs import TRUE, taken, write
 
 STAMPS = [str(pd.Timestamp("2026-11-26 10:00:00") + pd.Timedelta(seconds=2 * s)) for s in TRUE.time_s]
-ITS = list(TRUE.itertuples())
+ITS = list(zip(TRUE.time_s, TRUE.pwm / 2.55, TRUE.winding_degC, TRUE.casing_degC, TRUE.ambient_degC, strict=True))
 ROWS = list(zip(STAMPS, TRUE.pwm / 2.55, TRUE.winding_degC, TRUE.ambient_degC, strict=True))
 
 RECORDER = """YREC
@@ -145,7 +145,7 @@ def test_channels_that_are_called_by_numbers_are_a_header(tmp_path: Path) -> Non
     ],
 )
 def test_a_name_that_says_little_has_its_group_s(groups: str, names: str, tmp_path: Path) -> None:
-    rows = "".join(f"{e.time_s},{e.pwm / 2.55:g},{e.winding_degC},{e.casing_degC},{e.ambient_degC}\n" for e in ITS)
+    rows = "".join(",".join(f"{value:g}" for value in row) + "\n" for row in ITS)
     run = taken(write(tmp_path, f"{groups}\n{names}\n{rows}"), tmp_path / "out")
     assert [name.split("_")[0] for name in run.temps] == ["winding", "casing"]
     np.testing.assert_array_equal(run.temps[next(iter(run.temps))], TRUE.winding_degC)

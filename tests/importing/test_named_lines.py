@@ -105,7 +105,8 @@ def test_of_times_that_run_otherwise_none_is_chosen(tmp_path: Path) -> None:
     log = write(tmp_path, "\n".join(lines))
     with pytest.raises(InputError, match=r"cpu_time by 2\.95, print_time by 59: either may be the time"):
         take(log, tmp_path / "out")
-    assert taken(log, tmp_path / "out", time="print_time").time_s[-1] == ROWS + 2
+    run = taken(log, tmp_path / "out", time="print_time", units={"pwm": "percent"})
+    assert run.time_s[-1] == ROWS + 2
 
 
 def test_degrees_as_a_small_computer_prints_them(tmp_path: Path) -> None:

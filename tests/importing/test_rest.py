@@ -78,3 +78,29 @@ def test_a_rest_that_does_not_fit_is_refused(rest: float, message: str, tmp_path
     path = write(tmp_path, csv(frame.assign(pwm=values).rename(columns={"pwm": "mA"})))
     with pytest.raises(InputError, match=message):
         take(path, tmp_path / "out", input="mA", rest=rest, full_scale=20.0)
+
+
+def test_a_rest_in_another_unit_than_its_column_is_refused(tmp_path: Path) -> None:
+    """Pulses in ms with a rest in us: all of it would be backwards."""
+    frame = truth()
+    path = write(tmp_path, csv(frame.assign(pwm=np.where(frame.pwm > 0, 1.8, 1.0)).rename(columns={"pwm": "Pulse"})))
+    with pytest.raises(InputError, match="never goes beyond the rest of 1000"):
+        take(path, tmp_path / "out", input="Pulse", rest=1000.0, full_scale=2000.0)
+
+
+def test_an_input_that_rests_where_it_begins_and_ends_is_told(tmp_path: Path) -> None:
+    frame = truth()
+    stick = np.where(frame.pwm > 0, 900, 512)
+    stick[:20] = 512
+    found = take(write(tmp_path, csv(frame.assign(pwm=stick))), tmp_path / "out", input="pwm", full_scale=1023.0)
+    (said,) = found.warnings
+    assert "begins and ends at 512 and is never near 0" in said
+    assert "if so: --rest 512 --full-scale 1023" in said
+    assert take(write(tmp_path, csv(frame)), tmp_path / "rests").warnings == []
+
+
+def test_pulses_of_a_speed_controller_under_the_name_of_a_pwm_are_asked_for(tmp_path: Path) -> None:
+    frame = truth()
+    path = write(tmp_path, csv(frame.assign(pwm=np.where(frame.pwm > 0, 1800, 1000))))
+    with pytest.raises(InputError, match=r"--rest 1000 \(or 1500\) --full-scale 2000 of pulses in us"):
+        take(path, tmp_path / "out")

@@ -172,3 +172,20 @@ def test_json_of_any_depth_is_refused_in_a_line(tmp_path: Path) -> None:
     for text in ('[{"a":' * 20_000, '[{"a":' * 20_000 + "1" + "}]" * 20_000):
         with pytest.raises(InputError):
             take(write(tmp_path, text, name="log.json"), tmp_path / "out")
+
+
+@pytest.mark.parametrize("column", [2, 3], ids=["the input", "a part"])
+def test_formulas_that_nobody_computed_are_told(column: int, tmp_path: Path) -> None:
+    """As a library writes them: Excel stores their values, and a part would be gone without."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["t [s]", "PWM", "Winding [°C]", "Casing [°C]"])
+    for row in TRUE.itertuples(index=False):
+        sheet.append([float(value) for value in row[:4]])
+    for line in range(2, sheet.max_row + 1):
+        sheet.cell(line, column, f"={sheet.cell(line, column).value}*1")
+    path = tmp_path / "log.xlsx"
+    book.save(path)
+    with pytest.raises(InputError, match=r"120 formulas have no stored value, .* open the workbook in a spreadsheet"):
+        take(path, tmp_path / "out")

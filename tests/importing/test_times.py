@@ -368,6 +368,7 @@ def test_a_capital_t_is_a_time_only_where_its_steps_are_even(tmp_path: Path) -> 
     ("head", "scale", "form"),
     [
         ("Date&Time,ms", 1000, "%Y/%m/%d %H:%M:%S"),  # of a Graphtec
+        ("Date&Time,ms,PWM,Winding\nTime,ms,,degC", 1000, "%Y/%m/%d %H:%M:%S"),
         ("Date,Time,Millitm", 1000, "%m/%d/%Y,%H:%M:%S"),  # of FactoryTalk
         ("Date,Time,sec", 1, "%Y/%m/%d,%I:%M:%S %p"),
     ],
@@ -379,7 +380,8 @@ def test_fractions_of_a_second_in_a_column_of_their_own(head: str, scale: int, f
         at = pd.Timestamp("2024-03-25 23:59:55.3") + pd.Timedelta(seconds=0.1 * i)
         part = round(at.microsecond / 1e6 * scale, 3)
         rows.append(f"{at.strftime(form)},{part:g},{entry.pwm},{entry.winding_degC}")
-    run = taken(write(tmp_path, "\n".join([f"{head},PWM,Winding [C]", *rows])), tmp_path / "out")
+    head = head if "PWM" in head else f"{head},PWM,Winding [C]"
+    run = taken(write(tmp_path, "\n".join([head, *rows])), tmp_path / "out")
     np.testing.assert_allclose(run.time_s, 0.1 * np.arange(len(truth())), atol=1e-9)
     assert run.comments["started"] == "2024-03-25T23:59:55.300"
     assert list(run.extras) == []
@@ -443,6 +445,15 @@ def test_the_parts_of_a_date_in_columns_of_their_own(head: str, seconds: bool, t
     assert list(run.extras) == []
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_minutes_and_seconds_in_columns_of_their_own(decimal: str, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=TRUE.time_s * 3.0)
+    frame.insert(0, "sec", frame.time_s % 60.0)
+    frame.insert(0, "min", (frame.time_s // 60.0).astype(int))
+    shown = csv(frame.drop(columns="time_s"), sep=";", decimal=decimal)
+    same(taken(write(tmp_path, shown), tmp_path / "out"), TRUE.assign(time_s=TRUE.time_s * 3.0))
+
+
 @pytest.mark.parametrize("head", ["latency (ms)", "ms"])
 def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> None:
     """What a loop took, beside times of a coarse clock."""
@@ -450,3 +461,23 @@ def test_milliseconds_that_are_none_of_the_time(head: str, tmp_path: Path) -> No
     log = write(tmp_path, "\n".join([f"Time,{head},PWM,Winding [C]", *rows]))
     with pytest.raises(InputError, match="repeat the time of the row before; expected --duplicates"):
         take(log, tmp_path / "out")
+
+
+@pytest.mark.parametrize("late", ["received_at", "Uploaded", "server time"])
+@pytest.mark.parametrize("own", ["timestamp", "ts"])
+def test_when_a_reading_arrived_is_not_when_it_was_taken(late: str, own: str, tmp_path: Path) -> None:
+    at = pd.Timestamp("2024-03-14 09:15:00") + pd.to_timedelta(TRUE.time_s, unit="s")
+    taken_at = at if own == "timestamp" else (at - pd.Timestamp("1970-01-01")) / pd.Timedelta("1s")
+    arrived = at + pd.to_timedelta(np.where(TRUE.index % 7, 0.3, 4.0), unit="s")
+    frame = pd.DataFrame({late: arrived, own: taken_at}).join(TRUE.drop(columns="time_s"))
+    np.testing.assert_allclose(taken(write(tmp_path, csv(frame)), tmp_path / "out").time_s, TRUE.time_s, atol=1e-6)
+
+
+def test_hours_that_a_machine_has_worked_and_times_of_steps_are_not_the_log_s(tmp_path: Path) -> None:
+    stamps = pd.Timestamp("2024-03-14 09:15:00") + pd.to_timedelta(TRUE.time_s, unit="s")
+    frame = TRUE.assign(time_s=stamps).rename(columns={"time_s": "Timestamp"})
+    frame.insert(0, "Operating hours [h]", np.round(1203.5 + TRUE.time_s / 3600, 3))
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "hours"), TRUE)
+    frame = TRUE.rename(columns={"time_s": "Total time (s)"})
+    frame.insert(0, "Step time (s)", TRUE.time_s % 30.0)
+    same(taken(write(tmp_path, csv(frame)), tmp_path / "steps"), TRUE)

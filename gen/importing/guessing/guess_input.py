@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,8 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, PWM, SIGN, WANTED, apart
+from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, PWM, WANTED, apart
+from gen.importing.guessing.ways import sign_of
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
 from gen.importing.numbers import plain_number
@@ -38,6 +40,11 @@ class _Scale:
 
 
 _PULSE_US = (800.0, 2200.0)
+_BITS = re.compile(r"(?<!\d)(?P<bits>8|9|1[0-6])[ _-]?bits?(?![a-z])", re.IGNORECASE)
+_RANGED = re.compile(
+    r"(?<![\d.])0 ?(?:-|\.\.\.?|…|to) ?(?P<low>[1-9]\d{2,4})(?![\d.])|/ ?(?P<over>[1-9]\d{2,4})(?![\d.])"
+)
+_INVERTED = re.compile(r"(?<![a-z])(?:inverted|invert|active[ _-]?low)(?![a-z])", re.IGNORECASE)
 
 
 def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[InputForm, list[Guess]]:
@@ -69,14 +76,20 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
         return form, [Guess("input", f"pwm = {int(counts)}", CERTAIN, "--input")]
     entry, confidence, why = _column(evidence, choices, reserved)
     entry, scale = _scaled(_sound(entry), evidence, choices)
-    sign = _sign(evidence, reserved | {entry.name})
+    sign, backwards = sign_of(evidence, entry, reserved | {entry.name}, choices)
     rest = choices.rest or 0.0
     if rest >= scale.full:
         raise InputError(
             f"found {rest:g}, expected less than the full scale of {scale.full:g} {scale.unit}", place="--rest"
         )
     form = InputForm(
-        column=entry.name, unit=scale.unit, full_scale=scale.full, rest=rest, sign=sign, drives=choices.machine
+        column=entry.name,
+        unit=scale.unit,
+        full_scale=scale.full,
+        rest=rest,
+        sign=sign,
+        backwards=backwards,
+        drives=choices.machine,
     )
     reached = max(abs(value - rest) for value in entry.span) + rest
     if form.counts_of(np.array(reached)) > FULL + 0.5 and scale.confidence == CERTAIN:
@@ -90,6 +103,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
     taken += f", of a {choices.machine}" if choices.machine else ""
     shown = quoted(f"{entry.name}=percent")
     settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL else f"--full-scale {scale.full:g}"
+    settle = f"--rest 1000 (or 1500) --full-scale 2000 of pulses in us, {settle} of counts" if _pulse(entry) else settle
     return form, [
         Guess(entry.name, taken, min(confidence, scale.confidence), "; ".join(filter(None, (why, scale.why))), settle)
     ]
@@ -242,6 +256,8 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     told = choices.units.get(entry.name) or choices.units.get("pwm")
     if told:
         unit = unit_of(told) or Unit("other", told, told)
+    if choices.full_scale is None and not told and (by_name := _said_full(entry, reached)) is not None:
+        return by_name
     if choices.full_scale is not None:
         return _Scale(unit.name if unit else _bare(entry), choices.full_scale, CERTAIN, "--full-scale")
     if unit is not None and unit.quantity in (SHARE, COUNTS):
@@ -266,6 +282,29 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> _Scale:
     return _by_range(entry, base, reached, evidence)
 
 
+def _said_full(entry: Facts, reached: float) -> _Scale | None:
+    """The full scale that a name says beside a PWM: `PWM 10bit`, `PWM [0-1023]`, `PWM/1023`; None where it says none.
+
+    Raises
+    ------
+    InputError
+        Without a file name: the name says that the input is inverted.
+    """
+    text = f"{entry.name} {entry.columns[0].unit}"
+    found = _BITS.search(text)
+    full = 2.0 ** int(found["bits"]) - 1.0 if found else None
+    ranged = _RANGED.search(text)
+    full = float(ranged["low"] or ranged["over"]) if full is None and ranged else full
+    if _INVERTED.search(text):
+        raise InputError(
+            f"is inverted by its name; expected the input: put {full or _full_counts(reached):g} - x in its place",
+            place=f"column {entry.name}",
+        )
+    if full is None or reached > full * (1 + 0.5 / FULL):
+        return None
+    return _Scale("counts", full, 0.95, f"0 to {full:g} by its name")
+
+
 def _pulse(entry: Facts) -> str:
     """What is said of numbers that may be a servo's or a speed controller's pulses, which are not 0 at rest."""
     low, high = entry.span
@@ -286,6 +325,8 @@ def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> _S
         return _Scale("counts", FULL, 0.9 if entry.whole else 0.7, f"reaches {reached:g}: counts of 255")
     if not entry.whole and reached <= 1.0:
         return _Scale("duty", 1.0, 0.85, f"fractions up to {reached:g}: a share of 1")
+    if not entry.whole and PWM.search(_worded(entry)):
+        return _Scale("percent", 100.0, _EITHER, f"fractions up to {reached:g} may be percent or means of counts")
     if not entry.whole:
         return _Scale("percent", 100.0, 0.7, f"fractions up to {reached:g}: percent")
     if reached == 0:
@@ -301,13 +342,3 @@ def _bare(entry: Facts) -> str:
 
 def _full_counts(reached: float) -> int:
     return next((2**bits - 1 for bits in (8, 10, 12, 14, 16) if reached <= 2**bits), int(np.ceil(reached)))
-
-
-def _sign(evidence: Evidence, reserved: set[str]) -> str:
-    """A column that says the direction by its sign; with 0 and 1 nobody knows which is which."""
-    for entry in evidence.numbers:
-        if entry.name not in reserved and SIGN.search(entry.name):
-            found = set(np.unique(entry.values).tolist())
-            if found <= {-1.0, 0.0, 1.0} and -1.0 in found:
-                return entry.name
-    return ""

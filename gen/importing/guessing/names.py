@@ -17,7 +17,7 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    rf"t|ts|s|[uµμ]s|ns|sek|x_value|m?jd|{languages.TIME}|"
+    rf"t|ts|s|[uµμ]s|ns|sek|x_value|tout|m?jd|{languages.TIME}|"
     r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|gps|ntp|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )
@@ -47,8 +47,13 @@ DRIVES = _words(
     r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*|@"
 )
 SIGN = _words(
-    r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting"
+    r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting|"
+    r"rotation|drehsinn"
 )
+BACKWARDS = _words(r"reversed?|backwards?|rev|r(?:ü|ue)ckw(?:ä|ae)rts")
+"""A flag that is 1 where a motor turns backwards."""
+NO_SIGN = _words(r"valve|ventil|wind|flow|damper|klappe|door|air|fans?|pump|conveyor|stage|axis|trend|scan|sort")
+"""Whose direction is not the motor's."""
 NO_TEMPERATURE = re.compile(languages.TIME_ONLY, re.IGNORECASE)
 RUNS = re.compile(
     r"(?:run|runs|run.?id|run.?name|test|test.?id|experiment|session|trial|profile.?id|versuch|lauf|file)"
@@ -176,6 +181,16 @@ CHARGE = _alone(
 """What is told in C and F, too: coulomb and farad."""
 CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?")
 """No hours."""
+LATE = _words(
+    r"received|recv|rx|upload(?:ed)?|arriv(?:ed|al)|insert(?:ed)?|ingest(?:ed|ion)?|stored|server|processed|exported"
+)
+"""When a reading came somewhere, beside when it was taken."""
+OF_A_STEP = _words(r"steps?|schritt|laps?|segment|cycle")
+"""A time that begins anew with each step of a programme, beside that of all of it."""
+WORKED = _words(
+    r"(?:operating|running|run|service)[ _-]?hours|hour ?meter|betriebsstunden|heures de marche|ore di funzionamento"
+)
+"""How long a machine has run in its life."""
 BUSY = _words(r"(?:cpu|processor|buffer)[ _-]?time")
 """What a processor worked, or what waits in a queue, s: no time of a log."""
 

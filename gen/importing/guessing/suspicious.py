@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from gen.importing.guessing.evidence import Evidence
-from gen.importing.guessing.guess_input import FULL
 from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
@@ -16,7 +15,8 @@ _NEAR_REST = 0.02
 """Of the full scale, within which a motor rests."""
 _MOST_BACK, _OFTEN = 0.95, 0.05
 """Of the full scale, and of the rows: an input that stands at its lower end."""
-_MIDDLE = {127.0, 128.0}
+_FEW = 3
+"""Rows at each end."""
 _LIVE_ZEROS = ((4.0, 20.0), (1.0, 5.0), (1000.0, 2000.0))
 """Rest and end of signals: mA, V, and a servo's pulses in us."""
 
@@ -36,7 +36,7 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     label = evidence.tables[0].label
     time = short_in_seconds(evidence, mapping.time, choices)
     drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
-    drive = drive or _like_a_middle(evidence, mapping) or _like_a_live_zero(evidence, mapping)
+    drive = drive or _like_a_live_zero(evidence, mapping) or _like_another_rest(evidence, mapping)
     several = _like_several(evidence, mapping, choices)
     return [f"{label}: {said}" for said in (time, drive, several) if said]
 
@@ -83,19 +83,19 @@ def _like_a_live_zero(evidence: Evidence, mapping: Mapping) -> str:
     return ""
 
 
-def _like_a_middle(evidence: Evidence, mapping: Mapping) -> str:
-    """Counts that begin and end at the middle of 255 and are never near 0: of a driver that rests there."""
+def _like_another_rest(evidence: Evidence, mapping: Mapping) -> str:
+    """An input that begins and ends at one value and is never near 0: of a signal that rests there."""
     form = mapping.input
-    if not form.column or form.sign or (form.unit, form.rest, form.full_scale) != ("counts", 0.0, float(FULL)):
+    values = evidence.facts[form.column].values if form.column and not form.sign and not form.rest else np.zeros(0)
+    if not values.size or values.min() == values.max():
         return ""
-    values = evidence.facts[form.column].values
-    if not values.size or not {values[0], values[-1]} <= _MIDDLE or values.min() <= _NEAR_REST * FULL:
-        return ""
-    if values.min() == values.max():
+    near = _NEAR_REST * form.full_scale
+    first, last = float(np.median(values[:_FEW])), float(np.median(values[-_FEW:]))
+    if abs(first - last) > near or values.min() <= near or values.max() > form.full_scale or first >= form.full_scale:
         return ""
     return (
-        f"{form.column}: begins and ends at {values[0]:g} and is never near 0, as of a driver that rests at the "
-        f"middle; if so: --rest {values[0]:g} --full-scale {FULL}"
+        f"{form.column}: begins and ends at {first:g} and is never near 0, as of a signal that rests there; if so: "
+        f"--rest {first:g} --full-scale {form.full_scale:g}"
     )
 
 

@@ -26,6 +26,11 @@ _THOUSAND = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _STAMP, _MIDNIGHT = re.compile(r"\d{4}-\d{2}-\d{2}T\S+"), "T00:00:00"
 
 
+_UNCOMPUTED = re.compile(rb"<f\b[^>]*>[^<]*</f>\s*(?:<v\s*/>|<v>\s*</v>|</c>)")
+_MOST_UNCOMPUTED = 10
+"""Formulas without a value, up to which they may stand beside the rows."""
+
+
 class _Formatted(Protocol):
     @property
     def number_format(self) -> str: ...
@@ -42,6 +47,7 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
     import openpyxl  # slow to import
 
     try:
+        unknown = _uncomputed(data)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that values do not need
             book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
@@ -55,6 +61,11 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
         raise InputError(
             f"cannot be read as an Excel workbook ({str(error)[:80]}); save it anew as .xlsx or CSV"
         ) from None
+    if unknown > _MOST_UNCOMPUTED:
+        raise InputError(
+            f"{unknown} formulas have no stored value, as of a program that does not compute them; open the workbook "
+            "in a spreadsheet program and save it"
+        )
     if wanted and wanted not in sheets:
         raise InputError(f'found "{wanted}", expected one of the sheets {listed(sheets)}', place="--sheet")
     if wanted:
@@ -71,6 +82,13 @@ def read_workbook(file: Path, data: bytes, wanted: str = "") -> list[Table]:
         skipped = tuple(Counted(f"sheet without a table: {name}", 1, f"sheet {name}") for name, _ in without)
         return [replace(tables[0], part="", counted=(*tables[0].counted, *skipped))]
     return tables
+
+
+def _uncomputed(data: bytes) -> int:
+    """How many formulas there are whose value nobody has computed."""
+    with zipfile.ZipFile(io.BytesIO(data)) as book:
+        sheets = [name for name in book.namelist() if name.startswith("xl/worksheets/")]
+        return sum(len(_UNCOMPUTED.findall(book.read(name))) for name in sheets)
 
 
 def _table(file: Path, name: str, rows: list[list[str]]) -> Table:

@@ -1,6 +1,6 @@
 """The parts of dates in columns of their own (`Year | Month | Day | Hour | Minute | Second`) to timestamps.
 
-Hours, minutes and seconds alone (`h | min | s`) become a time of day.
+Hours, minutes and seconds alone (`h | min | s`) become a time of day, minutes and seconds a number.
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ def with_dates(table: Table) -> Table:
 
 
 def _with_time_of_day(table: Table) -> Table:
-    """Give hours, minutes and seconds that go on as one column; else the table as it is."""
+    """Give hours, minutes and seconds that go on as one column, or minutes and seconds; else the table as it is."""
     found = [_called(table, (*words, short)) for words, short in zip(_PARTS[_DATE:], _OF_A_DAY, strict=True)]
     parts = [column for column in found if column is not None]
     if len(parts) < len(_OF_A_DAY):
-        return table
+        return _with_minutes(table, *parts) if found[0] is None and len(parts) == len(_OF_A_DAY) - 1 else table
     hour, minute, second = (_numbers(column, table.reading.decimal) for column in parts)
     fits = zip((hour, minute, second), _RANGES[_DATE:], strict=True)
     if not all(_fits(values, low, high) for values, (low, high) in fits):
@@ -75,6 +75,20 @@ def _with_time_of_day(table: Table) -> Table:
     told = Counted(f"time of day put together from {', '.join(names)}", len(clock), f"column {names[0]}")
     left = [column for column in table.columns if column.name not in names]
     return replace(table, columns=[Column("clock", clock), *left], counted=(*table.counted, told))
+
+
+def _with_minutes(table: Table, minutes: Column, seconds: Column) -> Table:
+    """Give minutes and seconds that go on as one column of seconds; else the table as it is."""
+    minute, second = (_numbers(column, table.reading.decimal) for column in (minutes, seconds))
+    passed = 60.0 * minute + second
+    whole = bool((minute == np.floor(minute)).all()) and _fits(second, *_RANGES[-1])
+    if not whole or passed.size < _LEAST or not (np.diff(passed) > 0.0).mean() >= _RISING or minute[0] == minute[-1]:
+        return table
+    mark = table.reading.decimal or "."
+    told = Counted(f"time put together from {minutes.name}, {seconds.name}", passed.size, f"column {minutes.name}")
+    left = [column for column in table.columns if column.name not in (minutes.name, seconds.name)]
+    texts = [f"{value:.6f}".replace(".", mark) for value in passed.tolist()]
+    return replace(table, columns=[Column("time", texts, "s"), *left], counted=(*table.counted, told))
 
 
 def _called(table: Table, words: Sequence[str]) -> Column | None:

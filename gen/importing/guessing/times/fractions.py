@@ -116,8 +116,13 @@ def _repeats(whole: IntArray) -> bool:
 
 def _whole_seconds(column: Column, mark: str) -> IntArray | None:
     """Whole numbers that do not fall; None for others."""
-    values = parse(column.cells, mark).values if isinstance(column.cells, list) else column.cells
-    if not values.size or values.dtype.kind != "f" or not np.all(np.isfinite(values)) or np.any(values % 1.0):
+    if isinstance(column.cells, list):
+        values = parse(column.cells, mark).values
+    elif column.cells.dtype.kind == "f":
+        values = np.asarray(column.cells, dtype=np.float64)
+    else:
+        return None
+    if not values.size or not np.all(np.isfinite(values)) or np.any(values % 1.0):
         return None
     whole = values.astype(np.int64)
     steps = np.diff(whole)
@@ -132,8 +137,9 @@ def _is_of_seconds(column: Column, whole: IntArray) -> bool:
 
 
 def _tokens(column: Column) -> list[str]:
-    """The words of a column's name, its unit last."""
-    return _TOKENS.findall(f"{column.name} {column.unit}".casefold())
+    """The words of a column's name, its unit last: of `ms` above `ms` once."""
+    found = _TOKENS.findall(f"{column.name} {column.unit}".casefold())
+    return [word for k, word in enumerate(found) if k == 0 or word != found[k - 1]]
 
 
 def _scale(column: Column, before: Column) -> float:

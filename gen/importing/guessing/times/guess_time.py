@@ -10,7 +10,7 @@ from gen.errors import InputError
 from gen.importing import clock
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.names import BUSY, CHARGED, TIME
+from gen.importing.guessing.names import BUSY, CHARGED, LATE, OF_A_STEP, TIME, WORKED
 from gen.importing.guessing.times.time_unit import EARLIEST_S, epoch_of, unit_of_time
 from gen.importing.guessing.times.written_times import date_order_of, hours_or_minutes
 from gen.importing.listing import listed
@@ -85,13 +85,16 @@ def _found(evidence: Evidence, choices: Choices) -> tuple[list[str], Choices, fl
     instants = [entry for entry in facts if entry.kind == "instant"]
     known = [entry for entry in numbers if _timed(entry) and entry.named[1] is not None]
     known = [entry for entry in known if not any(_contradicts(entry, instant) for instant in instants)]
+    known = [entry for entry in known if not (instants and WORKED.search(entry.named[0]))]
+    known = [entry for entry in known if not OF_A_STEP.search(entry.named[0])] or known
     if known:
         best = next((entry for entry in known if TIME.fullmatch(entry.named[0].casefold())), known[0])
         return [best.name], choices, 0.95, "by its name and unit; it rises"
     dates = [entry for entry in facts if entry.kind == "date"]
     clocks = [entry for entry in facts if entry.kind in ("clock", "minutes")]
-    if instants:
-        best = next((entry for entry in instants if not _stands(entry)), instants[0])
+    taken = [entry for entry in numbers if _named_so(entry) and not LATE.search(entry.name) and epoch_of(entry)]
+    if instants and not (taken and all(LATE.search(entry.name) for entry in instants)):
+        best = min(instants, key=lambda entry: (_stands(entry), bool(LATE.search(entry.name))))
         return [best.name], choices, 0.95, f"timestamps such as {_example(best)}"
     named = [entry for entry in numbers if _named_so(entry) and not entry.in_degrees]
     named.sort(key=lambda entry: entry.named[0] == "T")  # beside `t`, a temperature that rises evenly

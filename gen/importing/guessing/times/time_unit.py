@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from gen.errors import InputError
@@ -10,7 +12,7 @@ from gen.importing.guessing.guesses import CERTAIN, Choices, quoted
 from gen.importing.guessing.times.plain_steps import plainer_unit
 from gen.importing.mapping import TimeForm
 from gen.importing.origins import days_since, seconds_since
-from gen.importing.units import TIME, unit_of
+from gen.importing.units import TIME, split_name, unit_of
 
 _EPOCHS = (
     (1e9, 2.5e9, "s"),
@@ -41,6 +43,14 @@ _FINER = (("us", 1e-6), ("ns", 1e-9))
 _UNITS_APART = 50.0
 """Between the intervals of one logger's files, from which on these may be in s and min, or ms and s."""
 _SPOKEN = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
+_FACTORED = re.compile(
+    r"(?:[x*×]\s*)?(?P<by>\d+(?:\.\d+)?)\s*(?P<one>[mun]?s|min)|(?P<of>[mun]?s|min)\s*[x*×]\s*(?P<last>\d+(?:\.\d+)?)",
+    re.IGNORECASE,
+)
+"""A time that is counted in several of a unit: `x10ms`, `ms*10`."""
+_NO_TIME = (
+    "tick ticks sample samples scan scans count counts cycle cycles point points index idx row rows frame frames # n no"
+)
 _SHORTEST_S = 20.0
 """A log of a motor's temperature lasts longer."""
 
@@ -77,6 +87,12 @@ def unit_of_time(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     if unit is not None and unit.quantity == TIME:
         said = ["" if where == "name" else f"unit from the {where}", _since(entry, unit.scale)]
         return unit.name, 0.95, "; ".join(filter(None, said))
+    written = split_name(entry.name)[2] or entry.columns[0].unit
+    factor = _FACTORED.fullmatch(written.strip())
+    if factor and (several := unit_of(f"{factor['by'] or factor['last']}{factor['one'] or factor['of']}")):
+        return several.name, 0.95, "by its name"
+    if written and (any(c.isdigit() for c in written) or written.strip().casefold() in _NO_TIME.split()):
+        return "s", 0.4, f"in {written}: how long is one?"
     epoch = epoch_of(entry)
     if epoch and (counted := unit_of(epoch)):
         return epoch, 0.95, f"begins at {float(np.median(entry.starts)):.0f} {epoch} {_since(entry, counted.scale)}"
