@@ -112,4 +112,4 @@ def test_degrees_celsius_called_fahrenheit_are_suspicious(tmp_path: Path) -> Non
 @pytest.mark.parametrize(("counts", "warned"), [([128, 200, 128], True), ([127, 255, 127], True), ([153] * 3, False)])
 def test_counts_that_rest_at_the_middle_are_suspicious(counts: list[int], warned: bool, tmp_path: Path) -> None:
     found = take(write(tmp_path, csv(PLAIN.assign(pwm=np.repeat(counts, len(TRUE) // 3)))), tmp_path / "out")
-    assert ["rests at the middle" in warning for warning in found.warnings] == [True] * warned
+    assert [f"if so: --rest {counts[0]} --full-scale 255" in warning for warning in found.warnings] == [True] * warned
