@@ -44,7 +44,7 @@ def test_degrees_of_what_are_asked_for(unit: str, tmp_path: Path) -> None:
         take(log, tmp_path / "out")
 
 
-@pytest.mark.parametrize("name", ["Time [x10ms]", "Time (x10 ms)", "Time [ms*10]"])
+@pytest.mark.parametrize("name", ["Time [x10ms]", "Time (x10 ms)", "Time [ms*10]", "t_10ms", "Time [cs]"])
 def test_a_time_in_several_of_a_unit(name: str, tmp_path: Path) -> None:
     log = write(tmp_path, csv(TRUE.assign(time_s=TRUE.time_s * 100).rename(columns={"time_s": name})))
     np.testing.assert_allclose(taken(log, tmp_path / "out").time_s, TRUE.time_s)

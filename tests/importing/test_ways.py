@@ -100,3 +100,12 @@ def test_an_input_that_is_empty_where_it_may_be_off_is_told(tmp_path: Path) -> N
     found = take(write(tmp_path, csv(changes)), tmp_path / "changes")
     assert found.warnings == []
     np.testing.assert_array_equal(read_run(found.runs[0]).pwm, DRIVEN.pwm)
+
+
+@pytest.mark.parametrize("name", ["Enable", "output", "Relay"])
+def test_a_switch_beside_an_input_that_stays_is_told(name: str, tmp_path: Path) -> None:
+    on = (DRIVEN.pwm > 0).astype(int)
+    found = take(write(tmp_path, csv(DRIVEN.assign(pwm=153, **{name: on}))), tmp_path / "out")
+    (said,) = found.warnings
+    assert f"{name}: is 0 in 45 rows in which pwm is not; if it switches the motor" in said
+    assert take(write(tmp_path, csv(DRIVEN.assign(**{name: on}))), tmp_path / "follows").warnings == []

@@ -52,6 +52,8 @@ SIGN = _words(
 )
 BACKWARDS = _words(r"reversed?|backwards?|rev|r(?:ü|ue)ckw(?:ä|ae)rts")
 """A flag that is 1 where a motor turns backwards."""
+ENABLES = _words(r"enabled?|en|output|relay|relais|freigabe|active|switch|on")
+"""What switches a motor beside its PWM."""
 NO_SIGN = _words(r"valve|ventil|wind|flow|damper|klappe|door|air|fans?|pump|conveyor|stage|axis|trend|scan|sort")
 """Whose direction is not the motor's."""
 NO_TEMPERATURE = re.compile(languages.TIME_ONLY, re.IGNORECASE)

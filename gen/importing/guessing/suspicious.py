@@ -6,6 +6,7 @@ import numpy as np
 
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guesses import Choices, quoted
+from gen.importing.guessing.names import ENABLES
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.mapping import Mapping
@@ -37,6 +38,7 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     time = short_in_seconds(evidence, mapping.time, choices)
     drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
     drive = drive or _like_a_live_zero(evidence, mapping) or _like_another_rest(evidence, mapping)
+    drive = drive or _like_switched(evidence, mapping)
     several = _like_several(evidence, mapping, choices)
     return [f"{label}: {said}" for said in (time, drive, several) if said]
 
@@ -97,6 +99,25 @@ def _like_another_rest(evidence: Evidence, mapping: Mapping) -> str:
         f"{form.column}: begins and ends at {first:g} and is never near 0, as of a signal that rests there; if so: "
         f"--rest {first:g} --full-scale {form.full_scale:g}"
     )
+
+
+def _like_switched(evidence: Evidence, mapping: Mapping) -> str:
+    """An input that stays while a switch beside it goes off."""
+    form = mapping.input
+    if not form.column or form.rest:
+        return ""
+    drive = evidence.facts[form.column]
+    for entry in evidence.numbers:
+        if not ENABLES.search(entry.name) or set(np.unique(entry.values).tolist()) != {0.0, 1.0}:
+            continue
+        pairs = zip(entry.parsed, drive.parsed, strict=True)
+        off = np.concatenate([driven.values[own.values == 0.0] for own, driven in pairs])
+        if off.size and np.all(off[np.isfinite(off)] != 0.0):
+            return (
+                f"{entry.name}: is 0 in {off.size} rows in which {form.column} is not; if it switches the motor, put "
+                f"{form.column} x {entry.name} in place of {form.column} first"
+            )
+    return ""
 
 
 def _like_several(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:

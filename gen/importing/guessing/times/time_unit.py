@@ -48,6 +48,7 @@ _FACTORED = re.compile(
     re.IGNORECASE,
 )
 """A time that is counted in several of a unit: `x10ms`, `ms*10`."""
+_CENTI = {"cs", "centisec", "centiseconds", "1/100s", "1/100 s"}
 _NO_TIME = (
     "tick ticks sample samples scan scans count counts cycle cycles point points index idx row rows frame frames # n no"
 )
@@ -88,7 +89,9 @@ def unit_of_time(entry: Facts, choices: Choices) -> tuple[str, float, str]:
         said = ["" if where == "name" else f"unit from the {where}", _since(entry, unit.scale)]
         return unit.name, 0.95, "; ".join(filter(None, said))
     written = split_name(entry.name)[2] or entry.columns[0].unit
-    factor = _FACTORED.fullmatch(written.strip())
+    factor = _FACTORED.fullmatch(written.strip()) or _FACTORED.fullmatch(entry.name.rpartition("_")[2])
+    if written.strip().casefold() in _CENTI:
+        return "10ms", 0.95, "by its name"
     if factor and (several := unit_of(f"{factor['by'] or factor['last']}{factor['one'] or factor['of']}")):
         return several.name, 0.95, "by its name"
     if written and (any(c.isdigit() for c in written) or written.strip().casefold() in _NO_TIME.split()):
