@@ -24,6 +24,7 @@ from gen.importing.units import DUTY as DUTY_SHARE
 FULL = 255
 _FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
+_ROUND = {100.0, 1000.0, 10_000.0}
 _EITHER = 0.5
 _MOST_OPTIONS = 4
 """Proposed in a message."""
@@ -300,7 +301,7 @@ def _said_full(entry: Facts, reached: float) -> _Scale | None:
             f"is inverted by its name; expected the input: put {full or _full_counts(reached):g} - x in its place",
             place=f"column {entry.name}",
         )
-    if full is None or reached > full * (1 + 0.5 / FULL):
+    if full not in _FULL_COUNTS | _ROUND or reached > full * (1 + 0.5 / FULL):
         return None
     return _Scale("counts", full, 0.95, f"0 to {full:g} by its name")
 

@@ -41,7 +41,7 @@ def sign_of(evidence: Evidence, drive: Facts, reserved: set[str], choices: Choic
     if drive.span[0] < 0.0:
         return "", None
     for entry in evidence.numbers:
-        if entry.name in reserved or entry.name in choices.columns or NO_SIGN.search(entry.name):
+        if entry.name in reserved or choices.columns.get(entry.name) == "" or NO_SIGN.search(entry.name):
             continue
         told = choices.units.get(entry.name, "")
         ways = _ways(entry, drive)
@@ -52,7 +52,7 @@ def sign_of(evidence: Evidence, drive: Facts, reserved: set[str], choices: Choic
             return entry.name, None
         if BACKWARDS.search(entry.name) and ways == [0.0, 1.0]:
             return entry.name, 1.0
-        if SIGN.search(entry.name) and ways in ([0.0, 1.0], [1.0, 2.0]):
+        if SIGN.search(entry.name) and entry.name not in choices.columns and ways in ([0.0, 1.0], [1.0, 2.0]):
             one, other = (quoted(f"{entry.name}={way}") for way in (_FORWARD, _REVERSE))
             raise InputError(
                 f"holds {ways[0]:g} and {ways[1]:g} where the motor is driven; expected --unit {one} (the larger one "
