@@ -13,8 +13,9 @@ from gen.importing.drive import odd_of
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.extreme_rows import extremes_by_turns
 from gen.importing.guessing.guess_columns import decide_columns
-from gen.importing.guessing.guess_input import NO_INPUT, decide_input, spanned
+from gen.importing.guessing.guess_input import NO_INPUT, decide_input
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
+from gen.importing.guessing.input_scale import spanned
 from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.series_columns import names_and_values
