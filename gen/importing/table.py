@@ -106,7 +106,7 @@ class Table:
     counted
         Lines that are no rows, and the like.
     untimed
-        How to record with times, where what wrote it could have.
+        How to have times, where none are in it: how to record with them, or the interval that a line says.
     """
 
     file: Path

@@ -17,6 +17,7 @@ from gen.importing.reading.rows.annotated import of_one_head
 from gen.importing.reading.rows.broken_off import broken_off
 from gen.importing.reading.rows.channels import have_own_times, units_by_channel
 from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
+from gen.importing.reading.rows.intervals import told_interval
 from gen.importing.reading.rows.kinds import is_data, is_head, is_number, is_reading
 from gen.importing.reading.rows.later_heads import under_one_head
 from gen.importing.reading.rows.named import check_surplus, lacks_a_name, names_above
@@ -114,6 +115,7 @@ def table_of_rows(
         keyed_comments(comments),
         _with_decimal(reading, cells),
         tuple(counted),
+        told_interval(rows[:first], comments),
     )
 
 

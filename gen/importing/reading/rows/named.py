@@ -49,7 +49,8 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
     if len(heads) > 1 and is_units(heads[-1], heads[-2]) and not is_units(heads[-2]):
         return with_groups(heads[-2], heads[-3] if len(heads) > 2 else []), heads[-1]
     if heads:
-        grouped = len(heads) > 1 and heads[-1][0].strip() != LABVIEWS_TIMES  # above which channels are described
+        described = len(heads) > 1 and heads[-2][0].startswith(("X_", "Y_"))  # channels, in LabVIEW's files
+        grouped = len(heads) > 1 and heads[-1][0].strip() != LABVIEWS_TIMES and not described
         return with_groups(heads[-1], heads[-2] if grouped else []), [""] * width
     for text in reversed(comments):  # as numpy.savetxt writes it
         for delimiter in DELIMITERS:
