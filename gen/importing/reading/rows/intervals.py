@@ -10,7 +10,7 @@ from gen.importing.units import TIME, unit_of
 _SAID = re.compile(
     r"(?P<what>(?:sampl\w*|scan\w*|log\w*|record\w*|measure\w*|storage)?[ _-]?"
     r"(?:interval|rate|frequency|period|delta_x)|dt|intervall|messrate|abtastrate)"
-    r"\s*(?:[\[(](?P<unit>[a-z]+)[\])])?\s*[:=,;\t ]\s*"
+    r"\s*(?:[\[(](?P<before>[a-z]+)[\])])?\s*[:=,;\t ]\s*"
     r"(?P<number>\d+:\d\d:\d\d(?:\.\d+)?|\d+(?:\.\d+)?(?:e[+-]?\d+)?)\s*(?P<behind>[a-z]+(?:/s)?)?",
     re.IGNORECASE,
 )
@@ -39,7 +39,7 @@ def told_interval(before: Sequence[Sequence[str]], comments: Sequence[str]) -> s
 
 def _seconds(found: re.Match[str]) -> float | None:
     """The interval, s; None where it is in no unit that is known."""
-    number, unit = found["number"], (found["behind"] or found["unit"] or "").casefold()
+    number, unit = found["number"], (found["behind"] or found["before"] or "").casefold()
     if ":" in number:
         hours, minutes, seconds = map(float, number.split(":"))
         return 3600.0 * hours + 60.0 * minutes + seconds
