@@ -14,8 +14,8 @@ from gen.importing.mapping import InputForm, Mapping
 from gen.importing.odd_inputs import errors_among, glitches_among
 from gen.importing.table import FloatArray
 from gen.importing.units import unit_of
+from gen.runs.drive import FULL_COUNTS
 
-_FULL = 255
 _HALF_A_COUNT = 0.5
 _MOST_UNREAD, _FEW_UNREAD = 0.05, 3
 """Of the rows, and rows, up to which an input may be text, as in a damaged capture: it is held there."""
@@ -91,14 +91,14 @@ def drive_of(
         found[rows] = np.nan
     values = form.counts_of(found)
     if form.rest:
-        resting = np.abs(values) <= _AT_REST * _FULL
+        resting = np.abs(values) <= _AT_REST * FULL_COUNTS
         made.count(
             f"within {_AT_REST:.0%} of the rest, taken as at rest",
             np.flatnonzero(resting & (values != 0.0)),
             form.column,
         )
-        below = values < -_AT_REST * _FULL
-        if below.any() and not np.any(values > _AT_REST * _FULL):
+        below = values < -_AT_REST * FULL_COUNTS
+        if below.any() and not np.any(values > _AT_REST * FULL_COUNTS):
             raise InputError(
                 f"never goes beyond the rest of {form.rest:g} {form.unit}, but below it; expected --rest and "
                 "--full-scale in its unit",
@@ -118,14 +118,14 @@ def drive_of(
             place=table.place(int(beyond[0]), form.column),
         )
     reached = float(np.nanmax(np.abs(in_time - form.rest))) if np.isfinite(in_time).any() else 0.0
-    if 0.0 < reached < _HALF_A_COUNT * (form.full_scale - form.rest) / _FULL:
+    if 0.0 < reached < _HALF_A_COUNT * (form.full_scale - form.rest) / FULL_COUNTS:
         made.warnings.append(
-            f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {_FULL} at a full "
-            f"scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
+            f"{table.label}: {form.column}: reaches {reached:g} {form.unit}, which is no count of {FULL_COUNTS} at a "
+            f"full scale of {form.full_scale:g} {form.unit}: --full-scale, or --unit?"
         )
     return np.asarray(values)
 
 
 def _beyond(values: FloatArray, form: InputForm) -> NDArray[np.bool_]:
     """Which values exceed the full scale by more than a count's rounding."""
-    return np.asarray(np.abs(form.counts_of(values)) > _FULL + _HALF_A_COUNT)
+    return np.asarray(np.abs(form.counts_of(values)) > FULL_COUNTS + _HALF_A_COUNT)

@@ -50,7 +50,6 @@ _WAYS_BY_NAME = (
     ("up", "down"),
 )
 """The same where the column's name says that it is a direction."""
-_NO_WAY = "stop stopped brake braking coast coasting idle off none neutral n rest halt stopp aus steht standby"
 _ACTIVE = (
     "on heat heats heating run runs running active energized energised ein an heizen heizt heizung läuft betrieb aktiv "
     "marche chauffe chauffage acceso riscalda encendido calienta ligado aan verwarmen"
@@ -61,6 +60,8 @@ _RESTING = (
     "refroidit spento fermo attesa apagado parado espera desligado uit koelen"
 )
 """What says that something is given power, and that it is not. A fault, a hold and what is ready say neither."""
+_NO_WAY = f"{_RESTING} brake braking coast coasting none neutral n"
+"""What says beside a direction that a motor does not turn."""
 _TURNING = "direction of {}, taken for 1 or -1"
 _BETWEEN = re.compile(r"[\s_:=]+")
 _MOST_STATES = 8

@@ -18,7 +18,9 @@ def test_the_full_scale_is_what_a_name_says_though_no_row_reaches_it(name: str, 
 
 
 def test_an_input_that_is_inverted_by_its_name_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is inverted by its name; expected the input: put 255 - x in its place"):
+    with pytest.raises(
+        InputError, match="is inverted by its name; expected the input: put 255 - x in its place, under"
+    ):
         take(write(tmp_path, csv(TRUE.rename(columns={"pwm": "PWM (inverted)"}))), tmp_path / "out")
 
 

@@ -131,6 +131,11 @@ class Facts:
             return minutes["base"], unit_of(minutes["unit"]), "name"
         return base, None, ""
 
+    @property
+    def written_unit(self) -> str:
+        """What stands in brackets behind the name, or below it, whether it is known as a unit or not."""
+        return split_name(self.name)[2] or self.columns[0].unit
+
     def without(self, numbers: Collection[float]) -> Facts:
         """The column with nothing where one of these numbers is.
 

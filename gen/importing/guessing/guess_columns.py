@@ -112,11 +112,6 @@ def _left_out(name: str, pairs: Mapping[str, str], doubles: Mapping[str, str]) -
     return Guess(name, "left out", 0.9, f"the least of each interval, beside {quoted(pairs[name])}, which is taken")
 
 
-def _written_unit(facts: Facts) -> str:
-    """What stands in brackets behind a name, or below it, whether it is known as a unit or not."""
-    return split_name(facts.name)[2] or facts.columns[0].unit
-
-
 def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
     """The quantity and the unit of a column."""
     base, unit, where = facts.named
@@ -141,11 +136,11 @@ def _sorted(facts: Facts, evidence: Evidence, choices: Choices) -> _Sorted:
         if said:
             return _Sorted(facts, "", unit, 0.8, said)
         return _by_unit(facts, unit, where, _thermal(facts, base))
-    foreign = "" if unit is not None or target or not _thermal(facts, base) else _written_unit(facts)
-    if is_foreign(foreign):
-        return _Sorted(facts, "", None, 0.8, f"in {foreign}, which is no unit of a temperature; kept as it is")
-    if is_any_degree(foreign):
-        return replace(_by_range(facts, False), confidence=0.5, why=f"in {foreign}, of an angle or of a temperature")
+    written = "" if unit is not None or target or not _thermal(facts, base) else facts.written_unit
+    if is_foreign(written):
+        return _Sorted(facts, "", None, 0.8, f"in {written}, which is no unit of a temperature; kept as it is")
+    if is_any_degree(written):
+        return replace(_by_range(facts, False), confidence=0.5, why=f"in {written}, of an angle or of a temperature")
     if unit is None and not target and _thermal(facts, base) and (bound := _bound(facts, base, evidence)):
         return _Sorted(facts, "", None, 0.8, bound)
     if unit is None and (told_unit := _told_for_all(evidence)) and _thermal(facts, base):

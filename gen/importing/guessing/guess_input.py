@@ -7,7 +7,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
-from gen.importing.guessing.input_scale import FULL, FULL_COUNTS, is_switch, pulse, scaled, spanned, worded
+from gen.importing.guessing.input_scale import OF_CONVERTERS, is_switch, pulse, scaled, spanned, worded
 from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, PWM, WANTED
 from gen.importing.guessing.ways import sign_of
 from gen.importing.listing import listed
@@ -16,6 +16,7 @@ from gen.importing.numbers import plain_number
 from gen.importing.odd_inputs import errors_among, glitches_among
 from gen.importing.switches import active_state
 from gen.importing.units import SHARE
+from gen.runs.drive import FULL_COUNTS
 
 _MOST_OPTIONS = 4
 """Proposed in a message."""
@@ -42,7 +43,7 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
     """
     if choices.drive and choices.drive not in evidence.facts:
         counts = plain_number(choices.drive)
-        if counts is None or counts != round(counts) or abs(counts) > FULL:
+        if counts is None or counts != round(counts) or abs(counts) > FULL_COUNTS:
             raise InputError(
                 f'found "{choices.drive}", expected a column ({listed(evidence.facts)}) or whole counts -255..255 '
                 "that all rows have",
@@ -68,17 +69,21 @@ def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tu
         drives=choices.machine,
     )
     reached = max(abs(value - rest) for value in entry.span) + rest
-    if form.counts_of(np.array(reached)) > FULL + 0.5 and scale.confidence == CERTAIN:
+    if form.counts_of(np.array(reached)) > FULL_COUNTS + 0.5 and scale.confidence == CERTAIN:
         raise InputError(
             f"found {reached:g} {scale.unit}, more than its full scale of {scale.full:g}; expected "
             "--full-scale of at least that",
             place=f"column {entry.name}",
         )
-    taken = "pwm in counts" if (form.unit, form.rest, form.full_scale) == ("counts", 0.0, FULL) else f"pwm: {form.said}"
+    taken = (
+        "pwm in counts"
+        if (form.unit, form.rest, form.full_scale) == ("counts", 0.0, FULL_COUNTS)
+        else f"pwm: {form.said}"
+    )
     taken += f", sign of {sign}" if sign else ""
     taken += f", of a {choices.machine}" if choices.machine else ""
     shown = quoted(f"{entry.name}=percent")
-    settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL else f"--full-scale {scale.full:g}"
+    settle = f"--unit {shown}, =counts or =duty" if scale.full <= FULL_COUNTS else f"--full-scale {scale.full:g}"
     settle = f"--rest 1000 (or 1500) --full-scale 2000 of pulses in us, {settle} of counts" if pulse(entry) else settle
     return form, [
         Guess(entry.name, taken, min(confidence, scale.confidence), "; ".join(filter(None, (why, scale.why))), settle)
@@ -165,7 +170,7 @@ def _full_scale(entry: Facts) -> str:
 def _round_up(entry: Facts) -> float:
     low, high = entry.span
     reached = max(abs(low), abs(high), 1e-9)
-    if entry.whole and reached in FULL_COUNTS:
+    if entry.whole and reached in OF_CONVERTERS:
         return reached
     power = 10.0 ** np.floor(np.log10(reached))
     return float(next(m for m in (1.0, 2.0, 5.0, 10.0) if m * power >= reached) * power)

@@ -15,9 +15,9 @@ from gen.importing.guessing.names import DUTY, PWM, apart
 from gen.importing.odd_inputs import glitches_among
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
+from gen.runs.drive import FULL_COUNTS
 
-FULL = 255
-FULL_COUNTS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
+OF_CONVERTERS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
 _ROUND = {100.0, 1000.0, 10_000.0}
 _EITHER = 0.5
@@ -117,12 +117,12 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> InputScale:
     if choices.full_scale is not None:
         return InputScale(unit.name if unit else _bare(entry), choices.full_scale, CERTAIN, "--full-scale")
     if unit is not None and unit.quantity in (SHARE, COUNTS):
-        full = 100.0 / unit.scale if unit.quantity == SHARE else FULL / unit.scale
+        full = 100.0 / unit.scale if unit.quantity == SHARE else FULL_COUNTS / unit.scale
         sure = CERTAIN if told else 0.95
         if unit.quantity == SHARE and not told and full > 1.0 and 0 < reached <= 1.0:
             said = f"in {unit.name} by its name, but {low:g}..{reached:g}, as a share of 1"
             return InputScale(DUTY_SHARE.name, 1.0, _EITHER, said)
-        if reached > full * (1 + 0.5 / FULL) and not told:  # else it is refused, with its full scale
+        if reached > full * (1 + 0.5 / FULL_COUNTS) and not told:  # else it is refused, with its full scale
             return InputScale(
                 unit.name, float(_full_counts(reached)), 0.3, f"{reached:g} is more than {full:g} {unit.name}"
             )
@@ -153,10 +153,11 @@ def _said_full(entry: Facts, reached: float) -> InputScale | None:
     full = float(ranged["low"] or ranged["over"]) if full is None and ranged else full
     if _INVERTED.search(text):
         raise InputError(
-            f"is inverted by its name; expected the input: put {full or _full_counts(reached):g} - x in its place",
+            f"is inverted by its name; expected the input: put {full or _full_counts(reached):g} - x in its "
+            "place, under another name",
             place=f"column {entry.name}",
         )
-    if full not in FULL_COUNTS | _ROUND or reached > full * (1 + 0.5 / FULL):
+    if full not in OF_CONVERTERS | _ROUND or reached > full * (1 + 0.5 / FULL_COUNTS):
         return None
     return InputScale("counts", full, 0.95, f"0 to {full:g} by its name")
 
@@ -171,14 +172,17 @@ def pulse(entry: Facts) -> str:
 
 def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> InputScale:
     own = "time_s" in evidence.facts and entry.name == "pwm"
-    if own and entry.whole and reached <= FULL:
+    if own and entry.whole and reached <= FULL_COUNTS:
         return InputScale(
-            "counts", FULL, 0.75 if reached <= 100 else 0.95, f"a run file's own column, whole, up to {reached:g}"
+            "counts",
+            FULL_COUNTS,
+            0.75 if reached <= 100 else 0.95,
+            f"a run file's own column, whole, up to {reached:g}",
         )
-    if reached > FULL:
+    if reached > FULL_COUNTS:
         return InputScale("counts", float(_full_counts(reached)), 0.3, f"reaches {reached:g}, more than 255 counts")
     if reached > 100:
-        return InputScale("counts", FULL, 0.9 if entry.whole else 0.7, f"reaches {reached:g}: counts of 255")
+        return InputScale("counts", FULL_COUNTS, 0.9 if entry.whole else 0.7, f"reaches {reached:g}: counts of 255")
     if not entry.whole and reached <= 1.0:
         return InputScale("duty", 1.0, 0.85, f"fractions up to {reached:g}: a share of 1")
     if not entry.whole and PWM.search(worded(entry)):
@@ -186,10 +190,10 @@ def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> In
     if not entry.whole:
         return InputScale("percent", 100.0, 0.7, f"fractions up to {reached:g}: percent")
     if reached == 0:
-        return InputScale("counts", FULL, 0.9, "0 in all rows")
+        return InputScale("counts", FULL_COUNTS, 0.9, "0 in all rows")
     if DUTY.search(base):
         return InputScale("percent", 100.0, 0.7 if reached > 1 else 0.4, f"a duty cycle up to {reached:g}")
-    return InputScale("counts", FULL, 0.4, f"whole numbers up to {reached:g} may be counts of 255 or percent")
+    return InputScale("counts", FULL_COUNTS, 0.4, f"whole numbers up to {reached:g} may be counts of 255 or percent")
 
 
 def _bare(entry: Facts) -> str:

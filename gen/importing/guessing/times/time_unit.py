@@ -12,7 +12,7 @@ from gen.importing.guessing.guesses import CERTAIN, Choices, quoted
 from gen.importing.guessing.times.plain_steps import plainer_unit
 from gen.importing.mapping import TimeForm
 from gen.importing.origins import days_since, seconds_since
-from gen.importing.units import TIME, split_name, unit_of
+from gen.importing.units import TIME, unit_of
 
 _EPOCHS = (
     (1e9, 2.5e9, "s"),
@@ -88,13 +88,13 @@ def unit_of_time(entry: Facts, choices: Choices) -> tuple[str, float, str]:
     if unit is not None and unit.quantity == TIME:
         said = ["" if where == "name" else f"unit from the {where}", _since(entry, unit.scale)]
         return unit.name, 0.95, "; ".join(filter(None, said))
-    written = split_name(entry.name)[2] or entry.columns[0].unit
-    factor = _FACTORED.fullmatch(written.strip()) or _FACTORED.fullmatch(entry.name.rpartition("_")[2])
-    if written.strip().casefold() in _CENTI:
+    written = entry.written_unit.strip()
+    factor = _FACTORED.fullmatch(written) or _FACTORED.fullmatch(entry.name.rpartition("_")[2])
+    if written.casefold() in _CENTI:
         return "10ms", 0.95, "by its name"
     if factor and (several := unit_of(f"{factor['by'] or factor['last']}{factor['one'] or factor['of']}")):
         return several.name, 0.95, "by its name"
-    if written and (any(c.isdigit() for c in written) or written.strip().casefold() in _NO_TIME.split()):
+    if written and (any(c.isdigit() for c in written) or written.casefold() in _NO_TIME.split()):
         return "s", 0.4, f"in {written}: how long is one?"
     epoch = epoch_of(entry)
     if epoch and (counted := unit_of(epoch)):
