@@ -30,7 +30,7 @@ def identified_alone(store: Store, *, runs: list[list[str]], ambient: float | No
     data = data_of(usable(store, [Kept(*run) for run in runs]).sources, ambient)
     found = identify_network(data, lambda _: None, most_hidden)
     scale = scale_of(found.inputs)
-    structure, vector = without_natural(found.found.structure, found.found.vector)
+    structure, vector = in_any_warmth(found.found.structure, found.found.vector)
     return {
         "structure": np.array(json.dumps(structure_json(structure))),
         "vector": vector,
@@ -40,10 +40,10 @@ def identified_alone(store: Store, *, runs: list[list[str]], ambient: float | No
     }
 
 
-def without_natural(structure: Structure, vector: FloatArray) -> tuple[Structure, FloatArray]:
-    """Give a form and its shared numbers, shape (p,), without natural convection: a fleet does not ask for it."""
-    shared = np.delete(vector[: structure.size], structure.still)
-    return replace(structure, natural=0.0), shared
+def in_any_warmth(structure: Structure, vector: FloatArray) -> tuple[Structure, FloatArray]:
+    """Give a form and its shared numbers, shape (p,), without what goes with temperature, which no fleet asks for."""
+    shared = np.delete(vector[: structure.size], np.concatenate([structure.still, structure.growing]))
+    return replace(structure, natural=0.0, warmth=None), shared
 
 
 def suits(store: Store, *, runs: list[list[str]], ambient: float | None, common: dict[str, Any]) -> Arrays:

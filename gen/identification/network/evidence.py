@@ -23,7 +23,8 @@ CLEAR = 6.0
 Association 90, 1995: strong evidence)."""
 
 EXPECTED = 2.0
-"""Twice the logarithm of the odds before any run that a motor stands in still air, where most do: 2.7 to 1."""
+"""Twice the logarithm of the odds before any run that a motor stands in still air, and that its heats grow with
+temperature, as most do: 2.7 to 1 each."""
 
 WARM = 20.0
 """Twice the logarithm of the odds before any run that what begins at one level began cold. They are high, as a network
@@ -35,9 +36,9 @@ def clearly_better(one: Found, other: Found) -> bool:
     return in_favour(one, other) >= CLEAR
 
 
-def likely(natural: Found, without: Found) -> bool:
-    """Whether natural convection is taken: by the evidence, and by what is known before any run."""
-    return in_favour(without, natural) <= EXPECTED
+def likely(warm: Found, without: Found) -> bool:
+    """Whether what goes with temperature is taken: by the evidence, and by what is known before any run."""
+    return in_favour(without, warm) <= EXPECTED
 
 
 def plainly_warm(in_any_room: Found, in_its_room: Found) -> bool:

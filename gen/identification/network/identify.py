@@ -12,6 +12,7 @@ from gen.identification.network.data import NetworkData
 from gen.identification.network.evidence import clearly_better, likely, plainly_warm
 from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.driven import POWER
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.identification.network.fitting.priors import Prior, prior_of
 from gen.identification.network.fitting.problem import Problem
@@ -20,7 +21,7 @@ from gen.identification.network.fitting.scale import Scale, scale_of
 from gen.identification.network.hidden_nodes import MOST_HIDDEN, SLACK, Candidate, Tried, bending, noise_of, stiff
 from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out
 from gen.identification.network.prune import pruned
-from gen.identification.network.search import Found, in_still_air, tightened
+from gen.identification.network.search import Found, in_still_air, tightened, with_warmth
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
 from gen.identification.network.used import as_used
@@ -49,7 +50,8 @@ class NetworkFound:
     candidates
         What else was tried.
     still
-        The same, on the coarse bins, without natural convection and how that was judged; None where there is none.
+        The same, on the coarse bins, without anything that goes with temperature (natural convection, growing heat),
+        and how that was judged; None where nothing does.
     """
 
     data: NetworkData
@@ -89,25 +91,40 @@ def identify_network(
         doubted = replace(data.in_any_room(), warnings=(*data.warnings, WARM_AT_ONE_LEVEL))
         return identify_network(doubted, progress, most_hidden)
     still = None
-    if data.ambient_measured:
-        # Where nobody measured the room, it is not known what the difference to it is.
-        progress("natural convection")
-        natural = in_still_air(best.found, data.widest_K, scale)
-        if likely(natural, best.found):
-            still = best.found, best.judged
-            best = replace(best, found=natural, judged=left_out(natural, folds_of(inputs)))
+    warm = _by_temperature(data, best.found, scale, progress)
+    if warm is not best.found:
+        still = best.found, best.judged
+        best = replace(best, found=warm, judged=left_out(warm, folds_of(inputs)))
     progress("last fit")
     last = _polished(data, best.found, scale)
     return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates, still)
 
 
-def without_convection(result: NetworkFound, why: str) -> NetworkFound:
-    """Give the same without natural convection, and the reason as a warning."""
+def in_any_warmth(result: NetworkFound, why: str) -> NetworkFound:
+    """Give the same without anything that goes with temperature, and the reason as a warning."""
     assert result.still is not None
     found, judged = result.still
     last = _polished(result.data, found, scale_of(result.inputs))
     data = replace(result.data, warnings=(*result.data.warnings, why))
     return replace(result, data=data, found=last, judged=judged, still=None)
+
+
+def _by_temperature(data: NetworkData, found: Found, scale: Scale, progress: Callable[[str], None]) -> Found:
+    """Let natural convection, and heats that grow with temperature, be where the runs do not speak against it."""
+    if data.driven != POWER:
+        # A power is what heats, however warm it is.
+        progress("heat that grows with temperature")
+        room = round(float(np.median([run.ambient[0] for run in data.coarse])))
+        growing = with_warmth(found, float(room), scale)
+        if likely(growing, found):
+            found = growing
+    if data.ambient_measured:
+        # Where nobody measured the room, it is not known what the difference to it is.
+        progress("natural convection")
+        natural = in_still_air(found, data.widest_K, scale)
+        if likely(natural, found):
+            found = natural
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -180,6 +180,24 @@ def in_still_air(without: Found, widest: float, scale: Scale) -> Found:
     return tightened(problem, start, without.density, AT_LAST)
 
 
+def with_warmth(without: Found, room_degC: float, scale: Scale) -> Found:
+    """Let all heats grow with temperature, and go on from where a network is.
+
+    Parameters
+    ----------
+    without
+        With heats that do not.
+    room_degC
+        From which temperature on.
+    scale
+        For the prior.
+    """
+    inputs, structure = without.problem.inputs, replace(without.structure, warmth=room_degC)
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+    start = taken_over(problem, without.problem, without.vector)
+    return tightened(problem, start, without.density, AT_LAST)
+
+
 def tightened(problem: Problem[Structure], start: FloatArray, of: FloatArray, most: int, rounds: int = 3) -> Found:
     """Fit until the weights agree with what is left.
 

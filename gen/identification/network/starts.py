@@ -87,6 +87,9 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
             vector[feed] = found[feeds[column, number[node]]]
     if structure.natural and old.natural:
         vector[structure.still] = found[old.still]
+    if structure.warmth is not None:
+        # Where heats did not grow, what they were is what they are now at usual temperatures.
+        vector[structure.growing] = found[old.growing] if old.warmth is not None else 0.0
     vector[structure.offsets] = found[old.offsets]
     if structure.apart and old.apart:
         for i, k in nodes:

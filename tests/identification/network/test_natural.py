@@ -154,7 +154,11 @@ def test_what_no_board_can_be_shown_to_follow_is_left_out() -> None:
     quick = [Source(f"r{k}.csv", replace(run, time_s=run.time_s / 20.0)) for k, run in enumerate(slow)]
     found = network_of(quick, Options(Settings("quick"), max_hidden=1), lambda _: None)
     assert '"convection"' not in found.text
-    assert [said for said in found.result.data.warnings if "natural convection is left out, as no board" in said]
+    assert [
+        said
+        for said in found.result.data.warnings
+        if "natural convection and growing heat are left out, as no board" in said
+    ]
     assert max(part.proof.bound_K for part in lower_network(found.coefficients, "fixed").components()) < 1e-3
 
 

@@ -35,6 +35,8 @@ class Physical:
         Its derivatives, W/K.
     natural
         What natural convection changes; None where conductances do not depend on temperature.
+    room_degC
+        The ambient for which it is told where the network settles, where that depends on it.
     """
 
     capacity: FloatArray
@@ -45,6 +47,12 @@ class Physical:
     growth: FloatArray | None = None
     by_growth: Partial | None = None
     natural: Natural | None = None
+    room_degC: float = 0.0
+
+    @property
+    def heat_in_room(self) -> FloatArray:
+        """Heats of nodes that are as warm as the room, shape (L, n), W."""
+        return self.heat if self.growth is None else self.heat + self.room_degC * self.growth
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.driven import known
+from gen.identification.network.fitting.growing import UNSURE_PER_K, USUAL_PER_K
 from gen.identification.network.fitting.inputs import START_K, Inputs
 from gen.identification.network.fitting.rooms import places_of, share_level, unsure_K
 from gen.identification.network.fitting.scale import Scale
@@ -88,6 +89,7 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         blocks.append((at, HEAT.bending(structure.bend)))
     mean[structure.feeds] = np.log(loss * scale.rise_K / 2.0)
     mean[structure.still], deviation[structure.still] = NATURAL
+    mean[structure.growing], deviation[structure.growing] = USUAL_PER_K, UNSURE_PER_K
     mean[structure.offsets], deviation[structure.offsets] = 0.0, OFFSET_K
     mean[structure.factors], deviation[structure.factors] = 0.0, START_FACTOR
     precision = np.zeros((size, size))

@@ -25,7 +25,7 @@ class Settled:
     slopes
         Derivatives by the parameters that all runs share, shape (L, n, p).
     laplacian
-        What flows out by each temperature there, shape (L, n, n), W/K.
+        What flows out by each temperature there, less what heats grow by, shape (L, n, n), W/K.
     physics
         Conductances and heats.
     """
@@ -44,20 +44,24 @@ def settled(structure: Shape, levels: Levels, vector: FloatArray) -> Settled:
     physics = structure.physical(levels, vector)
     incidence, nodes = structure.incidence, structure.nodes
     laplacian = np.einsum("lq,qi,qj->lij", physics.conductance, incidence, incidence, optimize=True)
-    inverse = np.linalg.inv(laplacian)
-    rise = np.einsum("lij,lj->li", inverse, physics.heat)
-    natural, own, slope = physics.natural, np.arange(nodes), laplacian
+    natural, own, heat = physics.natural, np.arange(nodes), physics.heat_in_room
+    if physics.growth is not None:
+        laplacian[:, own, own] -= physics.growth
+    slope, inverse = laplacian, np.linalg.inv(laplacian)
+    rise = np.einsum("lij,lj->li", inverse, heat)
     if natural is not None:
         for _ in range(ROUNDS):
             lost = np.einsum("lij,lj->li", laplacian, rise) + natural.conductance * natural.excess(rise)
             slope = laplacian.copy()
             slope[:, own, own] += natural.conductance * natural.slope(rise)
             inverse = np.linalg.inv(slope)
-            rise = rise + np.einsum("lij,lj->li", inverse, physics.heat - lost)
+            rise = rise + np.einsum("lij,lj->li", inverse, heat - lost)
     slopes = np.zeros((levels.count, nodes, structure.size))
     by_flow = -(inverse @ incidence.T) * (rise @ incidence.T)[:, None, :]
     physics.by_path.add_to(slopes, by_flow)
     physics.by_heat.add_to(slopes, inverse)
+    if physics.by_growth is not None:
+        physics.by_growth.add_to(slopes, inverse * (physics.room_degC + rise)[:, None, :])
     if natural is not None:
         natural.by_conductance.add_to(slopes, -inverse * natural.excess(rise)[:, None, :])
     return Settled(rise, slopes, slope, physics)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gen.identification.network.fitting.at_start import begun
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.growing import grown
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.partial import Partial
@@ -51,6 +52,8 @@ class Structure:
         deviation as a share of what the parts differ by; 0 where every run begins cold, or they start near the parts.
     driven
         What the input is, where that tells of curves (see `driven`); nothing for a motor's PWM.
+    warmth
+        Where every heat grows with its node's temperature: from which temperature on, degC; None where none does.
     """
 
     sensed: tuple[str, ...]
@@ -63,6 +66,7 @@ class Structure:
     natural: float = 0.0
     apart: float = 0.0
     driven: str = ""
+    warmth: float | None = None
 
     @property
     def nodes(self) -> int:
@@ -171,8 +175,13 @@ class Structure:
         return self.nodes + self.path_of.size + HEAT.size * len(self.heated) + len(self.fed)
 
     @property
+    def growing(self) -> IntArray:
+        """Of what all heats grow by with temperature, 1/K, shape (1,), or (0,) where none does."""
+        return self._fed_end + int(self.natural > 0.0) + np.arange(int(self.warmth is not None))
+
+    @property
     def _end(self) -> int:
-        return self._fed_end + int(self.natural > 0.0)
+        return self._fed_end + int(self.natural > 0.0) + int(self.warmth is not None)
 
     @property
     def size(self) -> int:
@@ -204,7 +213,7 @@ class Structure:
             by_feed[:, k] = fed[:, k]
         last = self.nodes + self.path_of.size
         heated = [*np.repeat(self.heated, HEAT.size), *(node for _, node in self.fed)]
-        return Physical(
+        found = Physical(
             capacity=np.exp(vector[self.capacities]),
             conductance=conductance,
             heat=heat,
@@ -216,6 +225,7 @@ class Structure:
             ),
             natural=self._natural(levels, vector) if self.natural else None,
         )
+        return found if self.warmth is None else grown(found, int(self.growing[0]), vector, self.warmth)
 
     def _natural(self, levels: Levels, vector: FloatArray) -> Natural:
         """What goes by natural convection from each node with a path to the ambient."""

@@ -34,6 +34,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "curves_bend": structure.bend == BEND,
         "heats_go_with": structure.driven or None,
         "natural_convection": _natural(summary),
+        "heat_grows": _grows(summary),
         "candidates": [vars(candidate) for candidate in result.candidates],
         "left_out_K": result.judged.score_K,
         "longest_hold_s": longest,
@@ -48,6 +49,16 @@ def as_json(summary: Summary) -> dict[str, Any]:
             *undetermined(result.found, summary.spread, [one.column for one in result.data.driving]),
         ],
     }
+
+
+def _grows(summary: Summary) -> dict[str, Any] | None:
+    """By which share heats grow for each kelvin over a temperature, or None where that is not told apart."""
+    found = summary.result.found
+    if found.structure.warmth is None:
+        return None
+    place = found.structure.growing[0]
+    value, deviation = float(found.vector[place]), float(summary.spread.deviation[place])
+    return {"per_K": {"value": value, "interval": _interval(value, deviation)}, "over_degC": found.structure.warmth}
 
 
 def _natural(summary: Summary) -> dict[str, Any] | None:
@@ -135,7 +146,7 @@ def _paths(summary: Summary, names: tuple[str, ...]) -> list[dict[str, Any]]:
 
 def _heats(summary: Summary, names: tuple[str, ...]) -> list[dict[str, Any]]:
     structure, vector = summary.result.found.structure, summary.result.found.vector
-    heat = structure.physical(held(np.array([127.5, 255.0]), 255), vector).heat
+    heat = structure.physical(held(np.array([127.5, 255.0]), 255), vector).heat_in_room
     return [
         {"node": names[i], "power_W": {"at_half_speed": float(heat[0, i]), "at_full_speed": float(heat[1, i])}}
         for i in structure.heated

@@ -34,6 +34,7 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
 from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
+from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.search import Found
 from gen.identification.network.telling.forecast import Band, bands, widened
@@ -47,6 +48,8 @@ FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
+REFERENCE_DEGC = 25.0
+"""What the format tells heats at where it does not say."""
 MOST_FACTOR = 7.99
 """Of a start: a file may hold less than 8."""
 TWICE = 2.0
@@ -185,11 +188,21 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
         else:
             factor = _start_factor(result.found, i)
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_factor=factor))
+    per_K, since = _growth(structure, vector)
+    power = physics.heat_in_room[1:]
     heats = tuple(
-        HeatEntry(node=names[node], power_W=tabulated(pwm, physics.heat[1:, node], 0.0)) for node in structure.heated
+        HeatEntry(node=names[node], power_W=tabulated(pwm, power[:, node], 0.0), per_K=per_K, reference_degC=since)
+        for node in structure.heated
     )
     channels, fed = _fed(result, names)
     return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=(*heats, *fed))
+
+
+def _growth(structure: Structure, vector: FloatArray) -> tuple[float, float]:
+    """What heats grow by with temperature, 1/K, and from where, degC; the format's own values where they do not."""
+    if structure.warmth is None:
+        return 0.0, REFERENCE_DEGC
+    return six_digits(float(vector[structure.growing[0]])), structure.warmth
 
 
 def _start_factor(found: Found, node: int) -> float:
@@ -210,7 +223,10 @@ def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEnt
         one = driving[number]
         watts = float(np.exp(result.found.vector[at])) / one.largest**one.power
         factor = FactorEntry(channel=one.column, poly=(1.0, *[0.0] * one.power))
-        heats.append(HeatEntry(node=names[node], power_W=PolyCurve(poly=(six_digits(watts),)), factors=(factor,)))
+        power = PolyCurve(poly=(six_digits(watts),))
+        per_K, since = _growth(structure, result.found.vector)
+        node_name = names[node]
+        heats.append(HeatEntry(node=node_name, power_W=power, factors=(factor,), per_K=per_K, reference_degC=since))
     used = {driving[number].column: driving[number] for number, _ in structure.fed}
     channels = []
     for one in used.values():

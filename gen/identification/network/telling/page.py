@@ -17,7 +17,7 @@ from gen.identification.network.identify import NetworkFound, curves
 from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.rises import steady_rise_title
 from gen.identification.network.telling.summary import Summary
-from gen.identification.network.telling.text import by_input, in_still_air
+from gen.identification.network.telling.text import by_input, by_temperature, in_still_air
 from gen.pages.charts import Chart, Series
 from gen.pages.environment import page_environment
 from gen.pages.network_drawing import DrawnNode, DrawnPath, network_svg
@@ -57,6 +57,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
             drawings=_drawings(whole),
             by_input=by_input(whole["heats_go_with"]),
             still_air=in_still_air(whole["natural_convection"]),
+            by_temperature=by_temperature(whole["heat_grows"]),
             runs=[
                 (name, _courses(number, name, time, columns), _residuals(number, name, time, columns))
                 for number, (name, (time, columns)) in enumerate(curves(result).items())

@@ -30,6 +30,7 @@ def text(summary: Summary) -> str:
         f"  over speed they {BENDING if structure.bend == BEND else POWERS}",
         *(f"  {line}" for line in by_input(whole["heats_go_with"])),
         *(f"  {line}" for line in in_still_air(whole["natural_convection"])),
+        *(f"  {line}" for line in by_temperature(whole["heat_grows"])),
         "  hidden nodes  error on data left out (K)",
         *(f"  {c.hidden:>12}  {c.left_out_K:.2f}" for c in summary.result.candidates),
         f"part        in the runs (K)  left out (K)  {steady_rise_title(summary.result)}",
@@ -81,6 +82,18 @@ def by_input(heats_go_with: str | None) -> list[str]:
         return []
     heats = {POWER: "the input", CURRENT: "the square of the input"}[heats_go_with]
     return [f"heats are expected to go with {heats}, and conductances not to: it moves no air"]
+
+
+def by_temperature(grows: Mapping[str, Any] | None) -> list[str]:
+    """Say what heats grow by with temperature; nothing where that was not found."""
+    if grows is None:
+        return []
+    share = grows["per_K"]
+    low, high = share["interval"]
+    return [
+        f"heats grow by {share['value']:.2%} ({low:.2%} to {high:.2%}) for each kelvin by which their node is warmer "
+        f"than {grows['over_degC']:.0f} degC"
+    ]
 
 
 def in_still_air(natural: Mapping[str, Any] | None) -> list[str]:
