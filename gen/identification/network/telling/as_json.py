@@ -58,7 +58,10 @@ def _grows(summary: Summary) -> dict[str, Any] | None:
         return None
     place = found.structure.growing[0]
     value, deviation = float(found.vector[place]), float(summary.spread.deviation[place])
-    return {"per_K": {"value": value, "interval": _interval(value, deviation)}, "over_degC": found.structure.warmth}
+    return {
+        "share_per_K": {"value": value, "interval": _interval(value, deviation)},
+        "over_degC": found.structure.warmth,
+    }
 
 
 def _natural(summary: Summary) -> dict[str, Any] | None:

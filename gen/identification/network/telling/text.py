@@ -88,7 +88,7 @@ def by_temperature(grows: Mapping[str, Any] | None) -> list[str]:
     """Say what heats grow by with temperature; nothing where that was not found."""
     if grows is None:
         return []
-    share = grows["per_K"]
+    share = grows["share_per_K"]
     low, high = share["interval"]
     return [
         f"heats grow by {share['value']:.2%} ({low:.2%} to {high:.2%}) for each kelvin by which their node is warmer "
