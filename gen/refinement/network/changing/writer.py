@@ -155,9 +155,16 @@ class NetworkWriter:
         self._replace(heats=(*self.entry.heats, HeatEntry(node=node, power_W=curve)))
 
     def grows(self, node: str, per_K: float, reference: float) -> None:
-        """Let all heat of a node grow with its temperature."""
-        grown = {"per_K": six_digits(per_K), "reference_degC": reference}
-        self._heats(node, lambda heat: heat.model_copy(update=grown))
+        """Let all heat of a node grow with its temperature, by a share of what it is at 0 degC (see `Draft.grow`)."""
+        self._heats(node, lambda heat: self._grown(heat, per_K, reference))
+
+    def _grown(self, heat: HeatEntry, per_K: float, reference: float) -> HeatEntry:
+        # P (1 + j (T - s)) and k P (1 - j s) (T - r) together, told from r on.
+        at_zero = 1.0 - heat.per_K * heat.reference_degC
+        at_reference = 1.0 + heat.per_K * (reference - heat.reference_degC)
+        scaled = self._scaled_heat(heat, lambda speed: np.full(speed.shape, at_reference)) if heat.per_K else heat
+        growth = six_digits((heat.per_K + per_K * at_zero) / at_reference)
+        return scaled.model_copy(update={"per_K": growth, "reference_degC": reference})
 
     def node(self, capacity: float) -> str:
         """Add a hidden node; its name is new."""
