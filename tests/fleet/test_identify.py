@@ -24,7 +24,7 @@ from gen.fleet.report import pages_of
 from gen.fleet.tasks.common import Common, common_of, kept, structure_json, structure_of
 from gen.fleet.tasks.fitting import model_name
 from gen.fleet.tasks.motor_data import check_inputs
-from gen.fleet.tasks.scouting import in_any_warmth
+from gen.fleet.tasks.scouting import without_warmth
 from gen.fleet.tasks.work import Arrays, Workers
 from gen.fleet.watch import read_watched, watch
 from gen.identification.network.fitting.structure import full
@@ -112,7 +112,7 @@ def test_a_scout_in_still_air_lends_its_form_without_that() -> None:
     numbers = np.arange(plain.size + 40.0)
     there = replace(plain, natural=80.0)
     vector = np.insert(numbers, int(there.still[0]), -1.0)
-    form, shared = in_any_warmth(there, vector)
+    form, shared = without_warmth(there, vector)
     assert form == structure_of(structure_json(form)) == plain
     assert shared.tolist() == numbers[: plain.size].tolist()
 

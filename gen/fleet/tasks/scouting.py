@@ -30,7 +30,7 @@ def identified_alone(store: Store, *, runs: list[list[str]], ambient: float | No
     data = data_of(usable(store, [Kept(*run) for run in runs]).sources, ambient)
     found = identify_network(data, lambda _: None, most_hidden)
     scale = scale_of(found.inputs)
-    structure, vector = in_any_warmth(found.found.structure, found.found.vector)
+    structure, vector = without_warmth(found.found.structure, found.found.vector)
     return {
         "structure": np.array(json.dumps(structure_json(structure))),
         "vector": vector,
@@ -40,7 +40,7 @@ def identified_alone(store: Store, *, runs: list[list[str]], ambient: float | No
     }
 
 
-def in_any_warmth(structure: Structure, vector: FloatArray) -> tuple[Structure, FloatArray]:
+def without_warmth(structure: Structure, vector: FloatArray) -> tuple[Structure, FloatArray]:
     """Give a form and its shared numbers, shape (p,), without what goes with temperature, which no fleet asks for."""
     shared = np.delete(vector[: structure.size], np.concatenate([structure.still, structure.growing]))
     return replace(structure, natural=0.0, warmth=None), shared

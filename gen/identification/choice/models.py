@@ -10,7 +10,7 @@ from gen.errors import CheckFailed
 from gen.identification.logs.data import Data, components_of, make_data
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.network.identify import NetworkFound, identify_network, in_any_warmth
+from gen.identification.network.identify import NetworkFound, identify_network, simplified
 from gen.identification.network.telling.document import network_text
 from gen.identification.network.telling.summary import Summary
 from gen.identification.parts.coefficient_file import coefficient_text, usable
@@ -131,11 +131,9 @@ def network_of(sources: Sequence[Source], options: Options, progress: Progress) 
     settings = options.settings
     data = make_network_data(sources, options.ambient, settings.full_scale, options.heat, options.machine)
     result = identify_network(data, progress, options.max_hidden)
-    refused = _refused(result, settings) if result.still is not None else ""
-    if refused:
-        progress("last fit, without what goes with temperature")
-        what = "natural convection and growing heat are left out"
-        result = in_any_warmth(result, f"{what}, as no board could be built: {refused}")
+    while result.simpler and (refused := _refused(result, settings)):
+        progress("last fit, with less that goes with temperature")
+        result = simplified(result, f"as no board could be built: {refused}")
     text, coefficients = network_text(result, settings)
     return NetworkModel(result, settings, text, coefficients)
 

@@ -49,9 +49,9 @@ class NetworkFound:
         The coarse bins.
     candidates
         What else was tried.
-    still
-        The same, on the coarse bins, without anything that goes with temperature (natural convection, growing heat),
-        and how that was judged; None where nothing does.
+    simpler
+        The same, on the coarse bins, before each thing that goes with temperature came in (growing heat, then natural
+        convection); none where nothing does.
     """
 
     data: NetworkData
@@ -59,7 +59,7 @@ class NetworkFound:
     judged: LeftOut
     inputs: Inputs
     candidates: tuple[Candidate, ...]
-    still: tuple[Found, LeftOut] | None = None
+    simpler: tuple[Found, ...] = ()
 
     @cached_property
     def residual(self) -> FloatArray:
@@ -90,41 +90,49 @@ def identify_network(
         progress("runs that begin warm, all at one level")
         doubted = replace(data.in_any_room(), warnings=(*data.warnings, WARM_AT_ONE_LEVEL))
         return identify_network(doubted, progress, most_hidden)
-    still = None
-    warm = _by_temperature(data, best.found, scale, progress)
-    if warm is not best.found:
-        still = best.found, best.judged
-        best = replace(best, found=warm, judged=left_out(warm, folds_of(inputs)))
+    *simpler, warmest = _by_temperature(data, best.found, scale, progress)
+    judged = left_out(warmest, folds_of(inputs)) if simpler else best.judged
     progress("last fit")
-    last = _polished(data, best.found, scale)
-    return NetworkFound(_with_room(data, last), last, best.judged, inputs, best.candidates, still)
+    last = _polished(data, warmest, scale)
+    return NetworkFound(_with_room(data, last), last, judged, inputs, best.candidates, tuple(simpler))
 
 
-def in_any_warmth(result: NetworkFound, why: str) -> NetworkFound:
-    """Give the same without anything that goes with temperature, and the reason as a warning."""
-    assert result.still is not None
-    found, judged = result.still
-    last = _polished(result.data, found, scale_of(result.inputs))
-    data = replace(result.data, warnings=(*result.data.warnings, why))
-    return replace(result, data=data, found=last, judged=judged, still=None)
+def simplified(result: NetworkFound, why: str) -> NetworkFound:
+    """Give the same without what came in last of what goes with temperature, and the reason as a warning."""
+    *simpler, found = result.simpler
+    convection = result.found.structure.natural > found.structure.natural
+    said = "natural convection is left out" if convection else "that heat grows with temperature is left out"
+    data = replace(result.data, warnings=(*result.data.warnings, f"{said}, {why}"))
+    judged = left_out(found, folds_of(result.inputs))
+    last = _polished(data, found, scale_of(result.inputs))
+    return replace(result, data=data, found=last, judged=judged, simpler=tuple(simpler))
 
 
-def _by_temperature(data: NetworkData, found: Found, scale: Scale, progress: Callable[[str], None]) -> Found:
-    """Let natural convection, and heats that grow with temperature, be where the runs do not speak against it."""
+def _by_temperature(
+    data: NetworkData, found: Found, scale: Scale, progress: Callable[[str], None]
+) -> tuple[Found, ...]:
+    """Let heats grow with temperature, then natural convection be, where the runs do not speak against it.
+
+    Returns
+    -------
+    tuple
+        The network without, and after each that was taken.
+    """
+    made = [found]
     if data.driven != POWER:
         # A power is what heats, however warm it is.
         progress("heat that grows with temperature")
         room = round(float(np.median([run.ambient[0] for run in data.coarse])))
-        growing = with_warmth(found, float(room), scale)
-        if likely(growing, found):
-            found = growing
+        growing = with_warmth(made[-1], float(room), scale)
+        if likely(growing, made[-1]):
+            made.append(growing)
     if data.ambient_measured:
         # Where nobody measured the room, it is not known what the difference to it is.
         progress("natural convection")
-        natural = in_still_air(found, data.widest_K, scale)
-        if likely(natural, found):
-            found = natural
-    return found
+        natural = in_still_air(made[-1], data.widest_K, scale)
+        if likely(natural, made[-1]):
+            made.append(natural)
+    return tuple(made)
 
 
 @dataclass(frozen=True, eq=False)

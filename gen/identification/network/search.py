@@ -174,10 +174,7 @@ def in_still_air(without: Found, widest: float, scale: Scale) -> Found:
     scale
         For the prior.
     """
-    inputs, structure = without.problem.inputs, replace(without.structure, natural=widest)
-    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
-    start = taken_over(problem, without.problem, without.vector)
-    return tightened(problem, start, without.density, AT_LAST)
+    return _gone_on(without, replace(without.structure, natural=widest), scale)
 
 
 def with_warmth(without: Found, room_degC: float, scale: Scale) -> Found:
@@ -192,7 +189,12 @@ def with_warmth(without: Found, room_degC: float, scale: Scale) -> Found:
     scale
         For the prior.
     """
-    inputs, structure = without.problem.inputs, replace(without.structure, warmth=room_degC)
+    return _gone_on(without, replace(without.structure, warmth=room_degC), scale)
+
+
+def _gone_on(without: Found, structure: Structure, scale: Scale) -> Found:
+    """Fit another structure from where a network is."""
+    inputs = without.problem.inputs
     problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
     start = taken_over(problem, without.problem, without.vector)
     return tightened(problem, start, without.density, AT_LAST)

@@ -14,12 +14,10 @@ import gen
 from gen.identification.choice.models import Options, network_of
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.network.fitting.bins import FloatArray, binned
-from gen.identification.network.fitting.inputs import held, inputs_of
+from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.natural import USUAL_K, polynomial
-from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Problem
-from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.steady import settled
 from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.identify import identify_network
@@ -30,25 +28,19 @@ from gen.lowering.network.lower import lower_network
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 from tests.examples import ROOT
+from tests.identification.network.held_then_rest import NAMES, numbers_about_the_prior, problem_of
 
-NAMES = ("a", "b")
 AMBIENT, WIDEST = 22.0, 90.0
 SHARE = 0.6
 
 
 def problem_at(pwm: int, hours: float) -> Problem[Structure]:
-    """PWM held from cold, then rest."""
-    time = 10.0 * np.arange(round(360.0 * hours), dtype=np.float64)
-    run = Run(time, np.where(time < 0.5 * time[-1], pwm, 0), dict.fromkeys(NAMES, np.full(time.size, AMBIENT)))
-    inputs = inputs_of([binned("r", run, NAMES, AMBIENT, 255)])
-    structure = replace(full(NAMES, 0), natural=WIDEST)
-    return Problem(structure, inputs, prior_of(structure, inputs, Scale(np.full(2, 1500.0), np.full(2, 40.0))))
+    return problem_of(replace(full(NAMES, 0), natural=WIDEST), pwm, hours, AMBIENT)
 
 
 def numbers_of(problem: Problem[Structure]) -> FloatArray:
-    vector = problem.prior.mean + np.random.default_rng(4).normal(0.0, 0.2, problem.size)
+    vector = numbers_about_the_prior(problem)
     vector[problem.structure.still] = np.log(SHARE / (1.0 - SHARE))
-    vector[problem.structure.size :] = 0.0
     return vector
 
 
@@ -154,11 +146,7 @@ def test_what_no_board_can_be_shown_to_follow_is_left_out() -> None:
     quick = [Source(f"r{k}.csv", replace(run, time_s=run.time_s / 20.0)) for k, run in enumerate(slow)]
     found = network_of(quick, Options(Settings("quick"), max_hidden=1), lambda _: None)
     assert '"convection"' not in found.text
-    assert [
-        said
-        for said in found.result.data.warnings
-        if "natural convection and growing heat are left out, as no board" in said
-    ]
+    assert [said for said in found.result.data.warnings if "natural convection is left out, as no board" in said]
     assert max(part.proof.bound_K for part in lower_network(found.coefficients, "fixed").components()) < 1e-3
 
 

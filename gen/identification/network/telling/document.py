@@ -48,8 +48,6 @@ FASTEST = 20.0
 """No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
-REFERENCE_DEGC = 25.0
-"""What the format tells heats at where it does not say."""
 MOST_FACTOR = 7.99
 """Of a start: a file may hold less than 8."""
 TWICE = 2.0
@@ -188,21 +186,19 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
         else:
             factor = _start_factor(result.found, i)
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_factor=factor))
-    per_K, since = _growth(structure, vector)
     power = physics.heat_in_room[1:]
-    heats = tuple(
-        HeatEntry(node=names[node], power_W=tabulated(pwm, power[:, node], 0.0), per_K=per_K, reference_degC=since)
-        for node in structure.heated
-    )
+    by_pwm = [HeatEntry(node=names[node], power_W=tabulated(pwm, power[:, node], 0.0)) for node in structure.heated]
     channels, fed = _fed(result, names)
-    return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=(*heats, *fed))
+    heats = tuple(_growing(heat, structure, vector) for heat in (*by_pwm, *fed))
+    return NetworkEntry(channels=channels, nodes=tuple(nodes), paths=tuple(paths), heats=heats)
 
 
-def _growth(structure: Structure, vector: FloatArray) -> tuple[float, float]:
-    """What heats grow by with temperature, 1/K, and from where, degC; the format's own values where they do not."""
+def _growing(heat: HeatEntry, structure: Structure, vector: FloatArray) -> HeatEntry:
+    """The same heat, growing with temperature where heats do."""
     if structure.warmth is None:
-        return 0.0, REFERENCE_DEGC
-    return six_digits(float(vector[structure.growing[0]])), structure.warmth
+        return heat
+    per_K = six_digits(float(vector[structure.growing[0]]))
+    return heat.model_copy(update={"per_K": per_K, "reference_degC": structure.warmth})
 
 
 def _start_factor(found: Found, node: int) -> float:
@@ -223,10 +219,7 @@ def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEnt
         one = driving[number]
         watts = float(np.exp(result.found.vector[at])) / one.largest**one.power
         factor = FactorEntry(channel=one.column, poly=(1.0, *[0.0] * one.power))
-        power = PolyCurve(poly=(six_digits(watts),))
-        per_K, since = _growth(structure, result.found.vector)
-        node_name = names[node]
-        heats.append(HeatEntry(node=node_name, power_W=power, factors=(factor,), per_K=per_K, reference_degC=since))
+        heats.append(HeatEntry(node=names[node], power_W=PolyCurve(poly=(six_digits(watts),)), factors=(factor,)))
     used = {driving[number].column: driving[number] for number, _ in structure.fed}
     channels = []
     for one in used.values():
