@@ -20,7 +20,7 @@ from benchmarks.plants.plant import Plant
 from benchmarks.plants.planted.trial import Setting, Trial, Written, write_identification
 from gen.errors import CheckFailed, InputError
 
-FAULT = re.compile(r"\b(faults?|faulty|healthy|worn|wear|wears)\b", re.IGNORECASE)
+FAULT = re.compile(r"\b(faults?|faulty|healthy|worn|wear|wears|motor has changed)\b", re.IGNORECASE)
 """What a warning has that tells that the motor may not be what it was."""
 
 

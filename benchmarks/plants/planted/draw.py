@@ -118,7 +118,8 @@ def _supply_voltage(rng: np.random.Generator, stand: Bench) -> Draft:
 def _temperature_dependent_loss(rng: np.random.Generator, stand: Bench) -> Draft:
     if rng.random() < 0.5:
         (winding,) = sources(stand, "copper")
-        return Draft(lambda strength: losses.TemperatureDependentLoss(winding, strength, thins=False), (0.002, 0.03))
+        # Copper's 0.4 %/K, and as much again where magnets weaken at the same torque.
+        return Draft(lambda strength: losses.TemperatureDependentLoss(winding, strength, thins=False), (0.002, 0.01))
     bearing = int(rng.choice(sources(stand, "friction")))
     return Draft(lambda strength: losses.TemperatureDependentLoss(bearing, strength, thins=True), (0.004, 0.08))
 

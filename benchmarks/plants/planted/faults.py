@@ -1,12 +1,13 @@
-"""Wear that nobody declared: what learns it into the healthy model without a word has hidden it from the alarms."""
+"""Wear, and ways of heat that were lost, which nobody declared: who learns them has hidden them from the alarms."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.plants.plant import Plant
+from benchmarks.plants.laws import Law
+from benchmarks.plants.plant import Plant, Surface
 from benchmarks.plants.planted.altered import scaled_sources
 from benchmarks.plants.planted.change import Change, Now, Steps
 
@@ -58,3 +59,76 @@ class Wearing(Change):
 
     def under(self, plant: Plant, now: Now) -> Plant:  # noqa: D102
         return scaled_sources(plant, 1.0 + now.signals["wear"], self.sources)
+
+
+@dataclass(frozen=True)
+class Blocked(Change):
+    """Vents are blocked, or a fan came off: what speed adds to what surfaces lose is gone, or some of it.
+
+    Parameters
+    ----------
+    nodes
+        Whose surfaces.
+    share
+        Of it that is lost.
+    """
+
+    nodes: tuple[int, ...]
+    share: float
+
+    def plant(self, plant: Plant) -> Plant:  # noqa: D102
+        return replace(plant, surfaces=tuple(self._less(s) if s.node in self.nodes else s for s in plant.surfaces))
+
+    def _less(self, surface: Surface) -> Surface:
+        law = surface.law
+        return replace(surface, law=replace(law, gain=law.gain * (1.0 - self.share)))
+
+
+@dataclass(frozen=True)
+class Covered(Change):
+    """Surfaces lose less by the air and by radiation, at rest and at speed: dust, a cover, thin air.
+
+    Parameters
+    ----------
+    nodes
+        Whose surfaces.
+    share
+        Of it that is lost.
+    """
+
+    nodes: tuple[int, ...]
+    share: float
+
+    def plant(self, plant: Plant) -> Plant:  # noqa: D102
+        return replace(plant, surfaces=tuple(self._less(s) if s.node in self.nodes else s for s in plant.surfaces))
+
+    def _less(self, surface: Surface) -> Surface:
+        left = 1.0 - self.share
+        return Surface(
+            surface.node, _scaled(surface.law, left), natural=surface.natural * left, radiating=surface.radiating * left
+        )
+
+
+@dataclass(frozen=True)
+class Loosened(Change):
+    """A joint within the motor conducts less than it did: a screw, a clamp, glue that let go.
+
+    Parameters
+    ----------
+    link
+        Which of the plant's links.
+    share
+        Of its conductance that is lost.
+    """
+
+    link: int
+    share: float
+
+    def plant(self, plant: Plant) -> Plant:  # noqa: D102
+        links = list(plant.links)
+        links[self.link] = replace(links[self.link], law=_scaled(links[self.link].law, 1.0 - self.share))
+        return replace(plant, links=tuple(links))
+
+
+def _scaled(law: Law, factor: float) -> Law:
+    return replace(law, rest=law.rest * factor)

@@ -92,6 +92,17 @@ def _wearing_bearing(rng: np.random.Generator, stand: Bench) -> Draft:
     return Draft(lambda strength: faults.Wearing(which, strength), (0.1, 8.0))
 
 
+def _path_change(rng: np.random.Generator, stand: Bench) -> Draft:
+    surfaces = [surface.node for surface in stand.plant.surfaces]
+    nodes = tuple(surfaces) if rng.random() < 0.6 else (int(rng.choice(surfaces)),)
+    kind, link = rng.random(), int(rng.integers(len(stand.plant.links)))
+    if kind < 0.4:
+        return Draft(lambda strength: faults.Blocked(nodes, strength), (0.3, 0.95))
+    if kind < 0.7:
+        return Draft(lambda strength: faults.Covered(nodes, strength), (0.3, 0.9))
+    return Draft(lambda strength: faults.Loosened(link, strength), (0.4, 0.95))
+
+
 OUTSIDE: Mapping[str, Drafting] = {
     "melting": _melting,
     "duct": _duct,
@@ -110,6 +121,7 @@ FAULTS: Mapping[str, Drafting] = {
     "worn_bearing": _worn("friction"),
     "worn_brush": _worn("brush"),
     "wearing_bearing": _wearing_bearing,
+    "path_change": _path_change,
 }
-"""Wear that nobody declared."""
+"""Wear, and ways of heat that were lost, which nobody declared."""
 KINDS: Mapping[str, Drafting] = {**LIBRARY, **OUTSIDE, **FAULTS}

@@ -73,11 +73,11 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
     final = traced.final.fitted
     place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
     values = final.shape.values(final.vector)[place]
-    listed = registry()[found.effect.name]
+    listed = registry().get(found.effect.name)  # some are there in networks alone
     note = change or found.effect.note
     return {
         "name": found.effect.name,
-        "title": found.effect.title or listed.title,
+        "title": found.effect.title or (listed.title if listed else found.effect.name),
         "component": found.effect.component,
         "parameters": {
             **found.effect.acts_by,
@@ -94,7 +94,7 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
                     "name": other.effect.name,
                     "component": other.effect.component,
                     "left_out_rmse_K": other.judged.score_K,
-                    "told_apart_by": listed.lookalikes.get(other.effect.name, GENERIC),
+                    "told_apart_by": listed.lookalikes.get(other.effect.name, GENERIC) if listed else GENERIC,
                 }
                 for other in step.lookalikes
             ],

@@ -32,6 +32,7 @@ AT = {
     "temperature_dependent_loss": (0.004,),
     "hidden_node": (4.0, -1.5, -3.0, 0.5, 1.3),
     "coupling": (-1.0,),
+    "path_change": (-0.6,),
     "radiation": (-1.5,),
     "schedule_error": tuple(0.1 + 0.1 * np.sin(np.arange(21.0))),
     "sensor_offset": (1.0,),

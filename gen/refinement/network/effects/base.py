@@ -84,6 +84,10 @@ class Motor:
         Of each of these: the power of speed that its heat goes with, at each of `SPEEDS`.
     outer_powers
         Of each path in `outer`: that of its conductance, in the middle.
+    with_speed
+        Of each path: what share of its conductance has come with speed, at each of `SPEEDS`.
+    lawless
+        Paths whose heat goes with the difference of their ends, without a law.
     columns
         What else drives the motor.
     typical_W, typical_W_per_K, typical_J_per_K
@@ -104,6 +108,8 @@ class Motor:
     heat_W: tuple[FloatArray, ...]
     heat_powers: tuple[FloatArray, ...]
     outer_powers: tuple[float, ...]
+    with_speed: tuple[FloatArray, ...]
+    lawless: tuple[int, ...]
     columns: Columns
     typical_W: float
     typical_W_per_K: float
@@ -243,6 +249,10 @@ class NetworkEffect(ABC):
     def doubts(self, values: Sequence[float]) -> list[str]:
         """Say what is not as it would be if this were the reason, for numbers within their limits."""
         return []
+
+    def change(self, values: Sequence[float]) -> str:
+        """Say what has changed, and what does that, where it is no healthy motor's; empty where it may be one's."""
+        return ""
 
     @abstractmethod
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:

@@ -17,6 +17,8 @@ from gen.refinement.network.effects import Motor
 from gen.refinement.network.effects.base import SPEEDS
 from gen.refinement.network.fitting.anchors import USUAL_AMBIENT
 
+LEAST_W_PER_K = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class FileCurves:
@@ -75,6 +77,12 @@ class FileCurves:
         own = self.network.paths[path]
         return self._at(own.curve, own.factors, self._levels(speed))[0]
 
+    def with_speed(self, path: int, speed: FloatArray) -> FloatArray:
+        """Give what share of a path's conductance has come with speed, at speeds, channels neutral, shape (L,)."""
+        own = self.network.paths[path]
+        turning, still = self._at(own.curve, own.factors, self._levels(speed))
+        return np.asarray(np.clip(1.0 - still / np.maximum(turning, LEAST_W_PER_K), 0.0, 1.0))
+
     def heat_at(self, heat: int, speed: FloatArray) -> FloatArray:
         """Give one heat of the file likewise, shape (L,), W."""
         own = self.network.heats[heat]
@@ -121,6 +129,8 @@ def motor_of(
         heat_W=heat_W,
         heat_powers=tuple(_powers(watts) for watts in heat_W),
         outer_powers=tuple(float(np.mean(_powers(curves.conductance_at(q, SPEEDS)))) for q in outer),
+        with_speed=tuple(curves.with_speed(q, SPEEDS) for q in range(len(network.paths))),
+        lawless=tuple(q for q, path in enumerate(network.paths) if path.law is None),
         columns=curves.columns,
         typical_W=max(total, 1e-6),
         typical_W_per_K=float(np.median(conductance[conductance > 0.0])),

@@ -29,10 +29,6 @@ warms the motor: more than `WARM` where it follows its node sooner than this, `H
 def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
     """Say why what was found may be another motor, or nothing.
 
-    A wrong schedule is too high at some speeds and too low at others, or wrong at a few; a bearing or a brush that is
-    worn heats more at all of them, the more the faster it turns, at one node alone; so does, everywhere and with no
-    such order, a motor that is loaded or covered with dust.
-
     Parameters
     ----------
     effect, values
@@ -40,22 +36,44 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     data
         The runs, for the speeds that they hold.
     """
-    levels = data.inputs.levels
-    turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
-    speed = np.unique(np.round(levels.speed[turning], 2))
-    grown = _grown(effect, values, speed)
+    speed = _turned(data)
+    found = has_grown(effect, values, data) or effect.change(values)
+    if not found:
+        return ""
+    return (
+        f"{found}: the motor has changed since the file was made, or the file was wrong there: run "
+        f"{100.0 * float(np.median(speed)):.0f} % again as then. It is not written into the model without "
+        "--accept-change"
+    )
+
+
+def has_grown(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
+    """Say where heat has grown as that of a fault does; nothing where it has not.
+
+    A wrong schedule is too high at some speeds and too low at others, or wrong at a few; a bearing or a brush that is
+    worn heats more at all of them, the more the faster it turns, at one node alone; so does, everywhere and with no
+    such order, a motor that is loaded or covered with dust.
+
+    Parameters
+    ----------
+    effect, values, data
+        As above.
+    """
+    grown = _grown(effect, values, _turned(data))
     if not grown:
         return ""
-    again = f"{100.0 * float(np.median(speed)):.0f} %"
     if effect.component == WHOLE:
         pattern = "as that of a motor that is worn, loaded more, or cools less (dust on it, a cover) does"
     else:
         pattern = "and there alone, as a fault's does (a worn bearing or brush heats like that)"
-    return (
-        f"{effect.component}: its heat has grown {grown} at every speed that was run, {pattern}: the motor has changed "
-        f"since the file was made, or the file was wrong there: run {again} again as then. It is not written into the "
-        "model without --accept-change"
-    )
+    return f"{effect.component}: its heat has grown {grown} at every speed that was run, {pattern}"
+
+
+def _turned(data: Data) -> FloatArray:
+    """At which speeds the motor turned in the later runs, ascending, shape (L,)."""
+    levels = data.inputs.levels
+    turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
+    return np.unique(np.round(levels.speed[turning], 2))
 
 
 def _grown(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) -> str:

@@ -13,7 +13,7 @@ from gen.refinement.gains import LEAST_GAIN, LEVEL, TOO_LITTLE
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench, Fitted
-from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.changed import has_grown
 from gen.refinement.network.tracing.judged import Judged, doubts, judged, p_better
 
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
@@ -161,7 +161,7 @@ def to_judge(fits: Sequence[Fitted]) -> list[Fitted]:
 
 def may_be_a_fault(data: Data, best: Considered, one: Considered) -> bool:
     """Whether one has a fault's pattern and predicts about as well as the best: a fault must not be learnt."""
-    if not looks_like_a_change(one.effect, one.values, data):
+    if not has_grown(one.effect, one.values, data):
         return False
     near = one.judged.score_K <= IN_DOUBT * best.judged.score_K
     near = near and _priced(one.judged.fitted) <= _priced(best.judged.fitted) + RELIEF
