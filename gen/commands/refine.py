@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from gen.refinement.parts.refine import Refinement
 
 _LISTS = ("--fit", "--test")
+UNEXPLAINED = (
+    "what it is these runs do not tell: log what else changes (current, supply, a fan), run 60 % again as when the "
+    "model was made, or ask `gen plan` for the run that tells most; a motor that was rebuilt is identified anew"
+)
 
 
 class ListsOfFiles(click.Command):
@@ -126,11 +130,17 @@ def _say(found: Refinement | NetworkRefinement) -> None:
         numbers = ", ".join(
             f"{key} = {_short(value)}" for key, value in effect["parameters"].items() if value is not None
         )
-        click.echo(f"  {effect['component']}: {effect['name']} ({numbers})")
+        near = f", a part without a sensor near {' and '.join(effect['near'])}" if effect.get("near") else ""
+        click.echo(f"  {effect['component']}{near}: {effect['name']} ({numbers})")
+        if effect.get("changed"):
+            held = "OUT holds it as --accept-change asks" if effect["written"] else "OUT does not hold it"
+            click.echo(f"    not as the motor was: it has changed, or the file was wrong there; {held}")
         for other in effect["evidence"]["lookalikes"]:
             click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
     if not found.effects and found.summary().get("refitted"):
         click.echo("  no effect; numbers that the file left open were fitted anew")
+    if found.verdict == "unexplained" and not found.effects:
+        click.echo(f"  {UNEXPLAINED}")
     for told in getattr(found, "planned", ()):
         click.echo(f"  {told.sentence}")
     before, after = found.before.summary(), found.after.summary()

@@ -22,6 +22,8 @@ from gen.model.network_parts import Channel, Curve, Factor, Heat, Node, Path
 from gen.model.schedules import FloatArray
 
 PWM_LEVELS = 256
+NEAR = 0.5
+"""Weight in what a hidden node follows, over the largest, from which a sensed one is near it."""
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,15 @@ class Network:
             m[..., i, i] += power * heat.per_K / self.capacities[i]
             f[..., i] += power * (1.0 - heat.per_K * heat.reference) / self.capacities[i]
         return m, a, f
+
+    def near(self, name: str) -> tuple[str, ...]:
+        """Sensed nodes that a hidden one would follow most, the first one most; none for another name."""
+        hidden = [node.name for node in self.hidden]
+        if name not in hidden:
+            return ()
+        weights = self.rest_of_hidden[hidden.index(name), :-1]
+        order = np.argsort(-weights, kind="stable")
+        return tuple(self.sensed[k].name for k in order if weights[k] > max(NEAR * weights.max(), 0.0))
 
     @cached_property
     def hidden_at_start(self) -> FloatArray:

@@ -120,6 +120,7 @@ def together(each: Sequence[Offered]) -> Offered:
         typical={name: float(np.median([one.typical[name] for one in each])) for name in names},
         backwards=any(one.backwards for one in each),
         rests=any(one.rests for one in each),
+        room_measured=all(one.room_measured for one in each),
         room_moves=all(one.room_moves for one in each),
         turned_s=tuple(map(sum, zip(*(one.turned_s for one in each), strict=True))),
         hottest_degC={

@@ -140,8 +140,8 @@ def _read(store: Store, motor: str, runs: list[list[str]]) -> tuple[Coefficients
     sources = _sources(store, runs)
     named = [(source.name, measured_in(coefficients, source.run, source.name)) for source in sources]
     data = make_data(coefficients, named)
-    # Walls that lag belong to a room: motors that stand elsewhere have others.
-    return coefficients, replace(data, offered=replace(data.offered, room_moves=False))
+    # Walls that lag belong to a room, and so does its sensor: motors that stand elsewhere have others.
+    return coefficients, replace(data, offered=replace(data.offered, room_moves=False, room_measured=False))
 
 
 def _sources(store: Store, runs: list[list[str]]) -> tuple[Source, ...]:

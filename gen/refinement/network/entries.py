@@ -58,7 +58,7 @@ def start_entry(start: WarmStart) -> dict[str, Any]:
     }
 
 
-def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> dict[str, Any]:
+def effect_entry(step: Step, found: Considered, traced: Traced, change: str, *, written: bool) -> dict[str, Any]:
     """One effect as the summary has it.
 
     Parameters
@@ -69,16 +69,21 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str) -> 
         All that was found: its numbers are those of the last fit.
     change
         Why it may be another motor; empty for an effect.
+    written
+        Whether the file holds it.
     """
     final = traced.final.fitted
     place = next(k for k, effect in enumerate(final.shape.effects) if effect is found.effect)
-    values = final.shape.values(final.vector)[place]
+    values = traced.values[found.effect]
     listed = registry().get(found.effect.name)  # some are there in networks alone
     note = change or found.effect.note
     return {
         "name": found.effect.name,
         "title": found.effect.title or (listed.title if listed else found.effect.name),
         "component": found.effect.component,
+        "near": list(final.shape.network.near(found.effect.component)),
+        "changed": bool(change),
+        "written": written,
         "parameters": {
             **found.effect.acts_by,
             **{number.name: value for number, value in zip(found.effect.numbers, values, strict=True)},

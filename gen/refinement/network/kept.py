@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.over_time.missing_heat import MissingHeat, missing_heat
-from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.changed import has_grown, looks_like_a_change
 from gen.refinement.network.tracing.search import Step
 from gen.refinement.network.tracing.trace import Traced
 
@@ -75,8 +75,10 @@ def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_ch
     accept_change
         Write what looks like another motor, too.
     """
-    changes = tuple(looks_like_a_change(found.effect, found.values, traced.data) for found in traced.added)
-    missing = missing_heat(traced, changes, names)
+    values = traced.values
+    changes = tuple(looks_like_a_change(one.effect, values[one.effect], traced.data) for one in traced.added)
+    grown = [bool(has_grown(one.effect, values[one.effect], traced.data)) for one in traced.added]
+    missing = missing_heat(traced, grown, names)
     # What comes and goes is no change of the motor: what stood for it on average is told as what it is, and not named.
     loads = missing is not None and missing.comes_and_goes and not accept_change
     means = [_may_be_a_mean(step) for step in traced.steps if step.added is not None]

@@ -105,6 +105,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     return {
         "name": effect["name"],
         "component": effect["component"],
+        "near": " and ".join(effect.get("near", ())),
         "title": effect["title"],
         "rows": rows,
         "note": evidence.get("note", ""),

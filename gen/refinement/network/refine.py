@@ -138,6 +138,7 @@ def refine_network(
     start = warm_start(data, traced.final)
     fixed = room is None and coefficients.model.ambient_channel is None
     sorted_out = kept(traced, [name for name, _ in runs], fixed_ambient=fixed, accept_change=accept_change)
+    start = start if len(sorted_out.effects) == len(traced.added) else start.as_the_file
     made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
     warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
@@ -176,7 +177,8 @@ def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: War
     for step, change, told in zip(traced.steps, found.changes, found.named, strict=False):
         assert step.added is not None  # the last search alone may have added nothing
         if told:
-            made.append(effect_entry(step, step.added, traced, change))
+            written = step.added.effect in found.effects
+            made.append(effect_entry(step, step.added, traced, change, written=written))
     return made + ([start_entry(start)] if start.named else [])
 
 

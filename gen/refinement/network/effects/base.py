@@ -238,9 +238,9 @@ class NetworkEffect(ABC):
             Where it stands.
         """
 
-    def read(self, seen: Seen, values: FloatArray) -> Added | None:
-        """Say what it adds to a sensor's readings with its numbers as they are fitted; None for one on the network."""
-        return None
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added, ...]:
+        """Say what it adds to sensors' readings with its numbers as they are fitted; none for one on the network."""
+        return ()
 
     def unmoved(self) -> NetworkEffect | None:
         """Give the same effect with what it acts by held at its median; None where there is no such thing."""

@@ -28,8 +28,8 @@ class Offered:
         Median of each.
     backwards, rests
         Whether it turned backwards, and stood still, for long enough.
-    room_moves
-        Whether the ambient was measured and moves.
+    room_measured, room_moves
+        Whether the ambient was measured in every run, and whether it moves.
     turned_s
         For how long it turned at 0, 1 .. 100 % of full speed, s.
     hottest_degC
@@ -40,6 +40,7 @@ class Offered:
     typical: dict[str, float]
     backwards: bool
     rests: bool
+    room_measured: bool
     room_moves: bool
     turned_s: tuple[float, ...]
     hottest_degC: dict[str, float]

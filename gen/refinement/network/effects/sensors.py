@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
+from gen.model.network_parts import AMBIENT
 from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Added, Motor, NetworkEffect, Number, Seen
 from gen.refinement.network.effects.offered import Offered
 
 SHORTEST_H, LONGEST_H = 0.5, 24.0
 """Time constants of drifts: one that is over within minutes is an offset, one of days goes straight on."""
+NO_MORE = "no more than any sensor may be off by"
 
 
 class SensorEffect(NetworkEffect):
@@ -27,13 +29,13 @@ class SensorEffect(NetworkEffect):
 
     def doubts(self, values: Sequence[float]) -> list[str]:
         """Small errors of sensors beside another effect explain nothing."""
-        return [] if abs(values[0]) >= self.least else ["no more than any sensor may be off by"]
+        return [] if abs(values[0]) >= self.least else [NO_MORE]
 
     def _of(self, values: FloatArray) -> FloatArray:
         return np.asarray(values[:, self._sensor])
 
-    def _times(self, number: float, unit: FloatArray) -> Added:
-        return Added(self._sensor, number * unit, (unit,))
+    def _times(self, number: float, unit: FloatArray) -> tuple[Added]:
+        return (Added(self._sensor, number * unit, (unit,)),)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:
         """Write nothing: it is a matter of the sensor, not of the motor."""
@@ -46,11 +48,40 @@ class SensorOffset(SensorEffect):
     numbers = (Number("offset_K", 0.0, 0.0, 3.0, -50.0, 50.0),)
     least = 0.3
 
-    def read(self, seen: Seen, values: FloatArray) -> Added:  # noqa: D102
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added]:  # noqa: D102
         return self._times(values[0], np.ones_like(seen.hours))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.sensor(self.component, offset_K=values[0])
+
+
+class AmbientOffset(NetworkEffect):
+    """The ambient's sensor reads a constant too much: so all others read as much too little, of a motor in that room.
+
+    What goes with temperatures rather than with their differences (a law of a path, heat that grows) is as it would be
+    in the room that was read: by less than a hundredth of it for a kelvin.
+    """
+
+    name = SensorOffset.name
+    component = AMBIENT
+    numbers = SensorOffset.numbers
+    title = "the ambient's sensor reads too much or too little"
+    least = 0.5
+    note = "a matter of the room's sensor, or of where it hangs: in the file it is an offset of all others"
+
+    def __init__(self, motor: Motor) -> None:
+        self._names = motor.names[: motor.sensed]
+
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added, ...]:  # noqa: D102
+        unit = -np.ones_like(seen.hours)
+        return tuple(Added(sensor, values[0] * unit, (unit,)) for sensor in range(len(self._names)))
+
+    def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
+        return [] if abs(values[0]) >= self.least else [NO_MORE]
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
+        for name in self._names:
+            entry.sensor(name, offset_K=-values[0])
 
 
 class SensorGain(SensorEffect):
@@ -65,7 +96,7 @@ class SensorGain(SensorEffect):
         self._of_rise = of_rise
         self.acts_by = {"of": "rise" if of_rise else "degC"}
 
-    def read(self, seen: Seen, values: FloatArray) -> Added:  # noqa: D102
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added]:  # noqa: D102
         return self._times(values[0], self._of(seen.temperature) - (seen.ambient if self._of_rise else 0.0))
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
@@ -105,20 +136,22 @@ class Drift(SensorEffect):
     )
     least = 0.05
 
-    def read(self, seen: Seen, values: FloatArray) -> Added:  # noqa: D102
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added]:  # noqa: D102
         rate, settles = float(values[0]), self.numbers[1].value(float(values[1]))
         held = min(settles, LONGEST_H)
         left = np.exp(-seen.hours / held)
         unit = held * (1.0 - left)
         by_settles = np.zeros_like(unit) if settles > held else rate * (unit - seen.hours * left)
-        return Added(self._sensor, rate * unit, (unit, by_settles))
+        return (Added(self._sensor, rate * unit, (unit, by_settles)),)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.drift(self.component, values[0], min(values[1], LONGEST_H))
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
-    """Each at each sensor."""
+    """Each at each sensor; and that of the ambient, which has its part in all of them."""
+    if data.room_measured and motor.sensed > 1:
+        yield AmbientOffset(motor)
     for sensor in range(motor.sensed):
         for kind in (SensorOffset, SensorLag, Drift):
             yield kind(motor, sensor)

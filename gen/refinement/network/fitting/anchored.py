@@ -260,9 +260,9 @@ class Anchored:
         for one in self._lagged(inputs, vector):
             made[:, one.sensor] += one.behind(change[:, one.sensor])
         later = self.columns.later(inputs.levels)[inputs.level]
+        seen = Seen(temperature, inputs.ambient, inputs.begins / 3600.0)
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0), vector[place.columns])
-            if read is not None:
+            for read in effect.read(seen, vector[place.columns]):
                 made[:, read.sensor] += later * read.kelvin
         return np.asarray(made)
 
@@ -298,9 +298,9 @@ class Anchored:
         """Derivatives of what sensors show by offsets and by effects on readings."""
         made: list[tuple[int, int, FloatArray | float]] = [(s, int(at), 1.0) for s, at in enumerate(self.offsets)]
         later = self.columns.later(inputs.levels)[inputs.level]
+        seen = Seen(temperature, inputs.ambient, inputs.begins / 3600.0)
         for effect, place in zip(self.effects, self.places, strict=True):
-            read = effect.read(Seen(temperature, inputs.ambient, inputs.begins / 3600.0), vector[place.columns])
-            if read is not None:
+            for read in effect.read(seen, vector[place.columns]):
                 by_number = zip(place.columns, read.slopes, strict=True)
                 made += [(read.sensor, int(column), later * slope) for column, slope in by_number]
         lags = {one.sensor: one for one in self._lagged(inputs, vector)}

@@ -191,6 +191,7 @@ def _offered(
         typical={name: float(np.median(values)) for name, values in every.items()},
         backwards=backwards > BACKWARDS_S,
         rests=rests > RESTS_S,
+        room_measured=all(run.ambient is not None for _, run in runs),
         room_moves=_room_moves(runs),
         turned_s=tuple(turned.tolist()),
         hottest_degC=_hottest([run for _, run in runs], sensed),

@@ -124,8 +124,7 @@ class Bench:
         wrong: dict[int, list[tuple[int, FloatArray]]] = {}
         for effect, place in zip(shape.effects, shape.places, strict=True):
             # At the beginning what is added goes with each number, whatever it is.
-            read = effect.read(seen, np.array([number.fitted(number.start) for number in effect.numbers]))
-            if read is not None:
+            for read in effect.read(seen, np.array([number.fitted(number.start) for number in effect.numbers])):
                 by_number = zip(place.columns, read.slopes, strict=True)
                 wrong.setdefault(read.sensor, []).extend((int(column), slope) for column, slope in by_number)
         for sensor, effects in wrong.items():

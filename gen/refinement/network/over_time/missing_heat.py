@@ -86,15 +86,16 @@ class MissingHeat:
         return made if self.course.quantity == "heat" else {**made, "whole_motor_W_per_K": self.course.usual}
 
 
-def missing_heat(traced: Traced, changes: Sequence[str], names: Sequence[str]) -> MissingHeat | None:
+def missing_heat(traced: Traced, grown: Sequence[bool], names: Sequence[str]) -> MissingHeat | None:
     """Ask what heat or conductance over time would explain what is left.
 
     Parameters
     ----------
     traced
         What was found.
-    changes
-        For each effect of it why it may be another motor: beside such an effect nothing is asked.
+    grown
+        For each effect of it whether it is heat that has grown: beside such an effect nothing is asked, since the mean of
+        what comes and goes looks like it.
     names
         Of the later runs.
 
@@ -105,9 +106,9 @@ def missing_heat(traced: Traced, changes: Sequence[str], names: Sequence[str]) -
         which all runs share, bend to what some of them have. Else beside all that was found. None where little is left,
         or no course explains it.
     """
-    if traced.final.floors <= NOTHING and not any(changes):
+    if traced.final.floors <= NOTHING and not any(grown):
         return None
-    own = [found.effect for found, change in zip(traced.added, changes, strict=True) if not change]
+    own = [found.effect for found, more in zip(traced.added, grown, strict=True) if not more]
     beside_all = _beside(traced, own, names)
     if traced.final.floors <= NOTHING or not any(effect.goes_with_speed for effect in own):
         return beside_all

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.gains import p_of_gains
+from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Fitted
 from gen.refinement.verdict import EXPLAINED, NOTHING
@@ -93,10 +95,15 @@ def is_explained(data: Data, of: Judged) -> bool:
 
 def doubts(fitted: Fitted) -> list[str]:
     """Say what speaks against the effects' numbers: a physical limit, or what they would mean."""
-    said = []
-    for effect, values in zip(fitted.shape.effects, fitted.shape.values(fitted.vector), strict=True):
-        said += effect.doubts(values)
-        for number, value in zip(effect.numbers, values, strict=True):
-            if not number.low < value < number.high:
-                said.append(f"{number.name} of {effect.name} is at its limit")
-    return said
+    each = zip(fitted.shape.effects, fitted.shape.values(fitted.vector), strict=True)
+    return [said for effect, values in each for said in doubts_of(effect, values)]
+
+
+def doubts_of(effect: NetworkEffect, values: Sequence[float]) -> list[str]:
+    """Say the same of one effect with its numbers."""
+    at_limits = [
+        f"{number.name} of {effect.name} is at its limit"
+        for number, value in zip(effect.numbers, values, strict=True)
+        if not number.low < value < number.high
+    ]
+    return [*effect.doubts(values), *at_limits]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from gen.refinement.network.effects import candidates
+from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench
-from gen.refinement.network.tracing.judged import Judged, is_explained, judged
+from gen.refinement.network.tracing.judged import Judged, doubts_of, is_explained, judged
 from gen.refinement.network.tracing.paths import exchanged, followed, from_another_beginning
 from gen.refinement.network.tracing.search import Considered, Step
 
@@ -50,6 +50,12 @@ class Traced:
         """What was accepted, in order."""
         return [step.added for step in self.steps if step.added is not None]
 
+    @property
+    def values(self) -> dict[NetworkEffect, tuple[float, ...]]:
+        """The numbers of each, as all of them together were fitted."""
+        fitted = self.final.fitted
+        return dict(zip(fitted.shape.effects, fitted.shape.values(fitted.vector), strict=True))
+
 
 def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Traced:
     """Find effects one after the other."""
@@ -64,6 +70,7 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     path = from_another_beginning(bench, path, every, progress)
     path = exchanged(bench, path, every, progress)
     left, now = needed(bench, list(path.steps), path.now, progress)
+    left, now = sound(bench, left, now, progress)
     dropped = tuple(step.added for step in path.steps if step.added is not None and step not in left)
     return Traced(data, file, null, tuple(left), now, dropped)
 
@@ -93,10 +100,39 @@ def needed(
         effects = final.fitted.shape.effects
         if step.added is None or len(effects) < 2 or step.added.effect is effects[-1]:
             continue
-        progress(f"without {step.added.effect.name}")
-        others = tuple(effect for effect in effects if effect is not step.added.effect)
-        fitted = bench.fit(final.fitted.shape.with_effects(*others), final.fitted)
-        without = judged(bench.data, fitted, bench.left_out(fitted))
+        without = _without(bench, final, step.added.effect, progress)
         if final.score_K > (1.0 - NEEDED) * without.score_K:
             steps, final = [one for one in steps if one is not step], without
     return steps, final
+
+
+def sound(bench: Bench, steps: list[Step], final: Judged, progress: Callable[[str], None]) -> tuple[list[Step], Judged]:
+    """Drop what has come to a physical limit since it was added, by what was found after it or by the last fit.
+
+    Parameters
+    ----------
+    bench, steps, final, progress
+        As `needed` has them.
+
+    Returns
+    -------
+    steps, final
+        Those that stay, and what they come to.
+    """
+    while True:
+        shape, vector = final.fitted.shape, final.fitted.vector
+        each = zip(shape.effects, shape.values(vector), strict=True)
+        doubtful = next((effect for effect, values in each if doubts_of(effect, values)), None)
+        if doubtful is None:
+            return steps, final
+        final = _without(bench, final, doubtful, progress)
+        steps = [one for one in steps if one.added is None or one.added.effect is not doubtful]
+
+
+def _without(bench: Bench, final: Judged, effect: NetworkEffect, progress: Callable[[str], None]) -> Judged:
+    """What is left without one of the effects."""
+    progress(f"without {effect.name}")
+    shape = final.fitted.shape
+    others = tuple(other for other in shape.effects if other is not effect)
+    fitted = bench.fit(shape.with_effects(*others), final.fitted)
+    return judged(bench.data, fitted, bench.left_out(fitted))

@@ -63,6 +63,11 @@ class WarmStart:
         return bool(self.factors) and not self.by_the_room
 
     @property
+    def as_the_file(self) -> WarmStart:
+        """Without factors: those that were found beside an effect are right beside that effect only."""
+        return replace(self, factors={}, with_factors=self.file)
+
+    @property
     def warnings(self) -> list[str]:
         """What is written without a name, and what walls begin at, a sentence each."""
         return [*self._by_the_room(), *self._walls()]
