@@ -139,7 +139,7 @@ def _say(found: Refinement | NetworkRefinement) -> None:
             click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
     if not found.effects and found.summary().get("refitted"):
         click.echo("  no effect; numbers that the file left open were fitted anew")
-    if found.verdict == "unexplained" and not found.effects:
+    if found.verdict == "unexplained" and not found.effects and getattr(found, "missing", None) is None:
         click.echo(f"  {UNEXPLAINED}")
     for told in getattr(found, "planned", ()):
         click.echo(f"  {told.sentence}")

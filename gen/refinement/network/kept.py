@@ -16,6 +16,8 @@ WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
     "air together, so nothing is written"
 )
+STANDS_FOR_IT = 0.7
+"""Left-out error over that without any effect, above which what was found may as well stand for what comes and goes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +81,12 @@ def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_ch
     changes = tuple(looks_like_a_change(one.effect, values[one.effect], traced.data) for one in traced.added)
     grown = [bool(has_grown(one.effect, values[one.effect], traced.data)) for one in traced.added]
     missing = missing_heat(traced, grown, names)
-    # What comes and goes is no change of the motor: what stood for it on average is told as what it is, and not named.
+    # What comes and goes is no change of the motor: what stood for it on average, or took little beside it, is told as
+    # what it is, and not named.
     loads = missing is not None and missing.comes_and_goes and not accept_change
     means = [_may_be_a_mean(step) for step in traced.steps if step.added is not None]
-    named = tuple(not (loads and (change or mean)) for change, mean in zip(changes, means, strict=True))
+    little = traced.final.score_K > STANDS_FOR_IT * traced.null.score_K
+    named = tuple(not (loads and (change or mean or little)) for change, mean in zip(changes, means, strict=True))
     each = zip(traced.added, changes, named, strict=True)
     written = tuple(found.effect for found, change, told in each if accept_change or (told and not change))
     # Walls about an ambient that the file holds for fixed would be no walls.

@@ -15,6 +15,9 @@ from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
+GROWN = 1.03
+"""Of the old heat: a measured current takes over some of it, and adds none."""
+
 
 class LoadHeating(NetworkEffect):
     """R I^2 at a node, beside a share of the heat that the model has there."""
@@ -40,6 +43,14 @@ class LoadHeating(NetworkEffect):
             draft.scale_heats(self._node, 1.0 + later * more, [(int(place.columns[1]), later * (1.0 + more))])
         unit = later * self._columns.power(levels, self.channel, 2)
         draft.heat.add(self._node, values[0] * unit, place.slopes(unit))
+
+    def change(self, values: Sequence[float]) -> str:  # noqa: D102
+        if not self._replaces or values[1] < GROWN:
+            return ""
+        return (
+            f"{self.component}: its own heat has grown by {values[1] - 1.0:.0%} at every speed, beside what the "
+            "current adds, as that of a fault or of weaker magnets does"
+        )
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         if self._replaces:

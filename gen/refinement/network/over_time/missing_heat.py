@@ -94,8 +94,8 @@ def missing_heat(traced: Traced, grown: Sequence[bool], names: Sequence[str]) ->
     traced
         What was found.
     grown
-        For each effect of it whether it is heat that has grown: beside such an effect nothing is asked, since the mean of
-        what comes and goes looks like it.
+        For each effect of it whether it is heat that has grown: beside such an effect nothing is asked, since the mean
+        of what comes and goes looks like it.
     names
         Of the later runs.
 

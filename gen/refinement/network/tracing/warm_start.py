@@ -25,6 +25,7 @@ SPREAD = 1.0
 """Standard deviation of a factor about what the file says."""
 LEAST, MOST = 0.0, 8.0
 """What a file may hold."""
+MARGIN = 1e-3
 LEAST_K = 2.0
 """A hidden node that would rest less than this above the ambient, at the start of every run, tells nothing of one."""
 
@@ -140,16 +141,18 @@ def _of_hidden(data: Data, fitted: Fitted) -> WarmStart:
     each = np.where(data.is_later[:, None], rises[np.minimum(data.inputs.run, data.later - 1)], 0.0)
     unit = np.asarray(slopes[:, :, shape.size + hidden] * each[:, None, :], dtype=np.float64)
     error = np.full(evaluated.residual.shape, np.nan)
+    weight = problem.inputs.weight
+    free = _free(unit, evaluated.residual, weight, seen, said)
     for run in range(data.later):
         of = data.inputs.run == run
-        change = _change(unit, evaluated.residual, problem.inputs.weight, seen & ~of[:, None], said)
+        change = free * _change(unit * free, evaluated.residual, weight, seen & ~of[:, None], said)
         error[of] = (evaluated.residual - unit @ change)[of]
     found = judged(data, fitted, np.where(seen, error, np.nan))
     p = p_better(data, file, found)
     chance = p > LEVEL and not (found.score_K < PLAIN * file.score_K and p < PLAIN_LEVEL)
     if chance or found.score_K > (1.0 - LEAST_GAIN) * file.score_K:
         return WarmStart(file, {}, file, p)
-    factors = said + _change(unit, evaluated.residual, problem.inputs.weight, seen, said)
+    factors = said + free * _change(unit * free, evaluated.residual, weight, seen, said)
     names = [shape.names[k] for k in hidden]
     moves = np.array([np.ptp(run.ambient) for run in data.inputs.runs[: data.later]])
     by_the_room = data.offered.room_moves and bool(np.all(np.abs(factors * rises) <= moves[:, None]))
@@ -169,6 +172,19 @@ def _rises(shape: Anchored, data: Data, fitted: Fitted) -> FloatArray:
     return np.asarray(sensed @ shape.network.rest_of_hidden[:, :-1].T)
 
 
+def _free(
+    unit: FloatArray, residual: FloatArray, weight: FloatArray, seen: NDArray[np.bool_], said: FloatArray
+) -> FloatArray:
+    """Say which factors may differ, 1 or 0, shape (h,): one that would end at the most that a file holds is none."""
+    free = np.ones(said.size)
+    while True:
+        factors = said + free * _change(unit * free, residual, weight, seen, said)
+        ends = (factors >= MOST - MARGIN) & (free > 0.0)
+        if not ends.any():
+            return free
+        free[ends] = 0.0
+
+
 def _change(
     unit: FloatArray, residual: FloatArray, weight: FloatArray, seen: NDArray[np.bool_], said: FloatArray
 ) -> FloatArray:
@@ -176,4 +192,4 @@ def _change(
     used = np.where(seen, weight, 0.0)
     matrix = np.einsum("nsh,ns,nsk->hk", unit, used, unit) + np.eye(said.size) / SPREAD**2
     right = np.einsum("nsh,ns,ns->h", unit, used, residual)
-    return np.asarray(np.clip(said + np.linalg.solve(matrix, right), LEAST, MOST - 1e-3) - said)
+    return np.asarray(np.clip(said + np.linalg.solve(matrix, right), LEAST, MOST - MARGIN) - said)
