@@ -56,7 +56,9 @@ def drawn(seed: int, size: int) -> dict[str, Any]:
         sensor |= gains[(seed + k) % 3]
         drifts: list[dict[str, Any]] = [{}, {"drift_K": -6.5, "drift_h": 1.5}, {}, {"drift_K": 40.0, "drift_h": 24.0}]
         sensor |= drifts[(seed + 2 * k) % 4]
-        hidden = {"start_factor": [1.0, 0.4, 1.7][seed % 3]}
+        starts: list[dict[str, Any]] = [{}, {"start_factor": 0.4}, {"start_factor": 1.7}]
+        starts += [{"start_from": {name(0): 1.3}}, {"start_from": {name(0): 0.7}, "start_factor": 1.5}]
+        hidden = starts[seed % len(starts)]
         shown = {"sensor": sensor} if k == 0 or rng.random() < 0.7 else hidden
         nodes.append({"name": name(k), "capacity_J_per_K": float(np.round(rng.uniform(40, 900), 1)), **shown})
     return {

@@ -14,6 +14,8 @@ from gen.model.network_parts import AMBIENT, Channel, Curve, Factor, Heat, Node,
 from gen.model.schedules import Schedule
 
 MOST_NODES = 16
+MOST_AT_START = 8.0
+"""K of a hidden node's rise at the start, for each K of all sensed nodes: what is proven holds up to that."""
 CURVES = ("poly", "exp1", "exp2", "table", "power")
 
 AtRest = Annotated[NotNegative | None, Field(description="The value at PWM 0, where it is not the curve's.")]
@@ -157,6 +159,14 @@ class NodeEntry(Part):
         Number,
         Field(ge=0, lt=8, description="Of a hidden node: its rise at the start, for each K at which it would rest."),
     ] = 1.0
+    start_from: Annotated[
+        dict[Name, Annotated[Number, Field(ge=0, lt=8)]] | None,
+        Field(
+            min_length=1,
+            description="Of a hidden node: its rise at the start for each K of each sensed node's; times start_factor. "
+            "Without it, where it would rest.",
+        ),
+    ] = None
 
     @model_validator(mode="after")
     def _check(self) -> NodeEntry:
@@ -164,6 +174,13 @@ class NodeEntry(Part):
             raise fault(
                 f"found {self.start_factor:g}, expected none: a node with a sensor starts as read", "start_factor"
             )
+        if self.start_from is None:
+            return self
+        if self.sensor is not None:
+            raise fault("found weights, expected none: a node with a sensor starts as read", "start_from")
+        whole = self.start_factor * sum(self.start_from.values())
+        if whole >= MOST_AT_START:
+            raise fault(f"found {whole:g} K for each K of all, expected less than {MOST_AT_START:g}", "start_from")
         return self
 
 
@@ -276,8 +293,12 @@ class NetworkEntry(Part):
             if first != i:
                 taken = f'"{name}" is taken by nodes[{first}] ("{names[first]}")'
                 raise fault(f"{taken}; expected names that differ in more than case", "nodes", i, "name")
-        if not any(node.sensor is not None for node in self.nodes):
+        sensed = [node.name for node in self.nodes if node.sensor is not None]
+        if not sensed:
             raise fault('no node has a "sensor"; expected one that is measured', "nodes")
+        for i, node in enumerate(self.nodes):
+            for name in node.start_from or ():
+                _one_of(name, sensed, "the name of a node with a sensor", "nodes", i, "start_from", name)
         for i, channel in enumerate(self.channels):
             if channel.column in [other.column for other in self.channels[:i]]:
                 raise fault(f'"{channel.column}" is there already', "channels", i, "column")
@@ -305,6 +326,7 @@ class NetworkEntry(Part):
                     None if node.sensor is None else node.sensor.sensor(),
                     node.description,
                     node.start_factor,
+                    None if node.start_from is None else tuple(node.start_from.items()),
                 )
                 for node in self.nodes
             ),

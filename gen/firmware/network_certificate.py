@@ -14,7 +14,7 @@ from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
 from gen.model.laws import Convection, Law
 from gen.model.network import Network
-from gen.model.network_parts import Factor, Sensor
+from gen.model.network_parts import Factor, Node, Sensor
 
 _INSIDE_K = 0.004
 """By which ranges are claimed wider than the linear programme has them, at most: its tolerances lie far below."""
@@ -58,6 +58,7 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
             "name": identifier(node.name),
             "capacity_J_per_K": node.capacity,
             **({} if node.start_factor == 1.0 else {"start_factor": node.start_factor}),
+            **_start_from(network, node),
         }
         for node in network.nodes
     ]
@@ -126,6 +127,12 @@ def _equations(network: Network, model: ThermalModel) -> dict[str, Any]:
         for factor in factors
     ]
     return {"channels": _channels(network, model), "factors": told, "paths": paths, "heats": heats}
+
+
+def _start_from(network: Network, node: Node) -> dict[str, Any]:
+    if node.start_from is None:
+        return {}
+    return {"start_from": [[network.index(name), weight] for name, weight in node.start_from]}
 
 
 def _law(law: Law | None) -> dict[str, Any]:

@@ -195,17 +195,32 @@ class Network:
 
     @cached_property
     def hidden_at_start(self) -> FloatArray:
-        """Where hidden nodes start: their factor times the rise over the ambient at which they would rest.
+        """Where hidden nodes start: their factor times the rise over the ambient that the file, or rest, lets expect.
 
         Returns
         -------
         FloatArray
             Weights as :attr:`rest_of_hidden` has them; the ambient's may be negative.
         """
-        weights = self.rest_of_hidden.copy()
-        weights[:, :-1] *= np.array([node.start_factor for node in self.hidden])[:, None]
-        weights[:, -1] = 1.0 - weights[:, :-1].sum(axis=1)
-        return weights
+        rises = self.expected_at_start * np.array([node.start_factor for node in self.hidden])[:, None]
+        return np.column_stack([rises, 1.0 - rises.sum(axis=1)])
+
+    @cached_property
+    def expected_at_start(self) -> FloatArray:
+        """What share of each sensed node's rise hidden nodes have at the start, but for their factor.
+
+        Returns
+        -------
+        FloatArray
+            Shape (hidden, sensed): what the file says, and else that at which they would rest.
+        """
+        rises = self.rest_of_hidden[:, :-1].copy()
+        names = [node.name for node in self.sensed]
+        for row, node in zip(rises, self.hidden, strict=True):
+            if node.start_from is not None:
+                said = dict(node.start_from)
+                row[:] = [said.get(name, 0.0) for name in names]
+        return rises
 
     @cached_property
     def rest_of_hidden(self) -> FloatArray:

@@ -207,6 +207,9 @@ class Node:
         Of a hidden node: its rise over the ambient at the start, for each kelvin at which it would rest.
     description
         For people.
+    start_from
+        Of a hidden node: its rise over the ambient at the start, for each kelvin of each sensed node's, instead of that
+        at which it would rest.
     """
 
     name: str
@@ -214,6 +217,7 @@ class Node:
     sensor: Sensor | None = None
     description: str = ""
     start_factor: float = 1.0
+    start_from: tuple[tuple[str, float], ...] | None = None
 
 
 @dataclass(frozen=True)

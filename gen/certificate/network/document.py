@@ -100,6 +100,8 @@ class State(_Strict):
         Of a node.
     start_factor
         Of a node that nobody measures: its rise over the ambient at the start, for each kelvin at which it would rest.
+    start_from
+        Instead of where it would rest: a measured node, and the rise for each kelvin of its own, of each.
     lags, time_constant_s
         Instead: which node it lags behind, and its time constant.
     drifts_to_K
@@ -113,6 +115,7 @@ class State(_Strict):
     name: Identifier
     capacity_J_per_K: Positive | None = None
     start_factor: Annotated[Number, Field(ge=0)] | None = None
+    start_from: tuple[tuple[Place, Annotated[Number, Field(ge=0)]], ...] | None = None
     lags: Place | None = None
     drifts_to_K: Number | None = None
     time_constant_s: Positive | None = None
@@ -337,6 +340,10 @@ class NetworkCertificate(_Strict):
             raise ValueError("a drift is added to one reading, and nothing else is")
         if any(path.between[0] == path.between[1] for path in own.paths) or len(set(measured)) != len(measured):
             raise ValueError("a path from a node to itself, or a node with two sensors")
+        for state in self.states:
+            follows = [place for place, _ in state.start_from or ()]
+            if not set(follows) <= set(measured) or len(set(follows)) < len(follows):
+                raise ValueError("a start goes with nodes that nobody measures, or twice with one")
         used = [place for path in own.paths for place in path.factors]
         used += [place for heat in own.heats for place in heat.factors]
         if any(place >= len(own.factors) for place in used):

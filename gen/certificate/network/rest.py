@@ -9,8 +9,8 @@ from gen.certificate.network.document import NetworkCertificate
 def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Ratio]]:
     """Where hidden nodes start: weights of measured nodes and, under None, the ambient.
 
-    That is where they would rest at |PWM| 0 with neutral channels, their rise over the ambient times their factor. A
-    node that nothing ties to these starts at the ambient.
+    That is where they would rest at |PWM| 0 with neutral channels, or what is claimed of them in its place, their rise
+    over the ambient times their factor. A node that nothing ties to these starts at the ambient.
     """
     own, hidden = certificate.equations, certificate.hidden
     neutral = [_neutral(certificate, k) for k in range(len(own.factors))]
@@ -30,7 +30,14 @@ def rest_weights(certificate: NetworkCertificate) -> list[dict[int | None, Ratio
             break
         reached |= further
     solved = _solved({node: ties[node] for node in hidden if node in reached})
-    return [_warmer(solved.get(node, {}), certificate.states[node].start_factor) for node in hidden]
+    made = []
+    for node in hidden:
+        state = certificate.states[node]
+        weights = solved.get(node, {})
+        if state.start_from is not None:
+            weights = {place: Ratio(weight) for place, weight in state.start_from}
+        made.append(_warmer(weights, state.start_factor))
+    return made
 
 
 def _warmer(weights: dict[int | None, Ratio], factor: float | None) -> dict[int | None, Ratio]:

@@ -14,10 +14,13 @@ from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.driven import POWER
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.past import past_weights
 from gen.identification.network.fitting.priors import Prior, prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.rooms import level_of, places_of, unsure_K
 from gen.identification.network.fitting.scale import Scale, scale_of
+from gen.identification.network.fitting.structure import Structure
+from gen.identification.network.fitting.weights import weights
 from gen.identification.network.hidden_nodes import MOST_HIDDEN, SLACK, Candidate, Tried, bending, noise_of, stiff
 from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out
 from gen.identification.network.prune import pruned
@@ -175,7 +178,39 @@ def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
     problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
     start = taken_over(problem, found.problem, found.vector)
     last = tightened(problem, start, found.density, AT_LAST, rounds=2)
-    return _with_usual_starts(last) if found.structure.factors.size else last
+    if not found.structure.factors.size:
+        return last
+    others = [_with_usual_starts(last), *_with_likely_starts(last, scale)]
+    return min(others, key=lambda one: _cost_from_there(one, last.density))
+
+
+def _with_likely_starts(found: Found, scale: Scale) -> list[Found]:
+    """Fit twice more, hidden nodes starting where the network as it was found lets expect (see `past`)."""
+    for _ in range(2):
+        inputs = found.problem.inputs
+        shares = past_weights(found.structure, found.vector, inputs)
+        if shares is None:
+            return []
+        structure = replace(found.structure, start=tuple(tuple(row) for row in shares.tolist()))
+        problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
+        start = taken_over(problem, found.problem, found.vector)
+        if not found.structure.start:
+            _of_hidden(problem, start)[...] = 0.0
+        found = tightened(problem, start, found.density, AT_LAST, rounds=2)
+    return [found]
+
+
+def _cost_from_there(found: Found, density: FloatArray) -> float:
+    """What is left, weighed, where hidden nodes begin no other than the file will let them."""
+    problem = found.problem.weighed(weights(found.problem.inputs, density))
+    vector = found.vector.copy()
+    _of_hidden(problem, vector)[...] = 0.0
+    return problem.evaluate(vector).cost
+
+
+def _of_hidden(problem: Problem[Structure], vector: FloatArray) -> FloatArray:
+    """What hidden nodes begin at beside where they are let begin, by run, shape (R, h): a view of the parameters."""
+    return problem.per_run(vector)[:, problem.structure.sensors : problem.structure.nodes]
 
 
 def _with_usual_starts(found: Found) -> Found:

@@ -91,7 +91,7 @@ def taken_over(problem: Problem[Structure], before: Problem[Structure], found: F
         # Where heats did not grow, what they were is what they are now at usual temperatures.
         vector[structure.growing] = found[old.growing] if old.warmth is not None else 0.0
     vector[structure.offsets] = found[old.offsets]
-    if structure.apart and old.apart:
+    if structure.factors.size and old.factors.size:
         for i, k in nodes:
             if i >= structure.sensors:
                 vector[structure.factors[i - structure.sensors]] = found[old.factors[k - old.sensors]]

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from gen.coefficients import Coefficients, parse, with_network
 from gen.coefficients.messages import building
 from gen.coefficients.network import NetworkEntry
+from gen.coefficients.network_curves import six_digits
 from gen.errors import InputError
+from gen.model.network_past import network_start_weights
 from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.ambient import MovingAmbient
 from gen.refinement.network.changing.writer import MARGIN, NetworkWriter
@@ -113,6 +115,8 @@ def written(
             with building():
                 fitted.shape.write(writer, fitted.vector, kept)
                 text = with_network(raw, writer.entry, f"refined: {said}", channel)
+            entry = _begun_anew(network, writer.entry, parse(text.encode()))
+            text = with_network(raw, entry, f"refined: {said}", channel)
             parse(text.encode())
         except InputError as error:
             refusals.append(error)
@@ -123,6 +127,25 @@ def written(
         return Written(text, refitted=True, refused="; ".join(less))
     why = f"{said}: found, but a file with it is none that can be built ({refusals[0]})"
     return Written(unchanged.text, refused=why)
+
+
+def _begun_anew(before: NetworkEntry, entry: NetworkEntry, made: Coefficients) -> NetworkEntry:
+    """Let hidden nodes begin where the network, as it is now, lets expect them; not those that began otherwise."""
+    assert made.model.network is not None
+    shares = network_start_weights(made.model.network, *made.document.validity.pwm)
+    if shares is None:
+        return entry
+    otherwise = {node.name for node in before.nodes if node.start_from is None}
+    sensed = [node.name for node in made.model.network.sensed]
+    likely = dict(zip((node.name for node in made.model.network.hidden), shares.tolist(), strict=True))
+    nodes = []
+    for node in entry.nodes:
+        if node.name in likely and node.name not in otherwise:
+            each = {name: six_digits(share) for name, share in zip(sensed, likely[node.name], strict=True)}
+            nodes.append(node.model_copy(update={"start_from": each}))
+        else:
+            nodes.append(node)
+    return entry.model_copy(update={"nodes": tuple(nodes)})
 
 
 def _held(

@@ -51,6 +51,22 @@ def begun(shape: Shape, factors: IntArray, vector: FloatArray, sensed: FloatArra
     return Begun(ambient[:, None] + factor * at_rest, by_shared, by_sensed, 1.0 - by_sensed.sum(axis=-1))
 
 
+def begun_from(weights: FloatArray, size: int, sensed: FloatArray, ambient: FloatArray) -> Begun:
+    """Give the starts of hidden nodes whose rises have known shares of the sensed ones', shape (h, S).
+
+    Parameters
+    ----------
+    weights, size
+        The shares, and how many parameters all runs share.
+    sensed, ambient
+        As `begun` has them.
+    """
+    runs = ambient.size
+    by_sensed = np.broadcast_to(weights, (runs, *weights.shape))
+    temperature = ambient[:, None] + (sensed - ambient[:, None]) @ weights.T
+    return Begun(temperature, np.zeros((runs, len(weights), size)), by_sensed, 1.0 - by_sensed.sum(axis=-1))
+
+
 def balance(shape: Shape, vector: FloatArray) -> FloatArray:
     """Give the share of each sensed node's rise that a hidden one rests at, shape (h, S)."""
     return _balance(shape, shape.physical(AT_REST, vector))[1]

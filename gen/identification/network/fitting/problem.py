@@ -140,6 +140,10 @@ class Problem(Generic[S_co]):
             begin[:, sensors:] = begun.temperature
         return begin + own[:, :nodes], room, begun
 
+    def let_begin(self, vector: FloatArray) -> FloatArray:
+        """Where nodes begin beside what each run has of its own, shape (R, n), degC."""
+        return self._begin(vector)[0] - self.per_run(vector)[:, : self.structure.nodes]
+
     def _with_starts(self, slopes: Slopes, begun: Begun) -> None:
         """Let hidden nodes' starts go with what they follow from, in place.
 

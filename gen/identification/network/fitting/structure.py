@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.fitting.at_start import begun
+from gen.identification.network.fitting.at_start import begun, begun_from
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.growing import grown
@@ -52,6 +52,9 @@ class Structure:
         deviation as a share of what the parts differ by; 0 where every run begins cold, or they start near the parts.
     driven
         What the input is, where that tells of curves (see `driven`); nothing for a motor's PWM.
+    start
+        Where hidden nodes start in place of such a multiple: by hidden node, the share of each sensed node's rise;
+        empty where nothing says so (see `past`).
     warmth
         Where every heat grows with its node's temperature: from which temperature on, degC; None where none does.
     """
@@ -67,6 +70,7 @@ class Structure:
     apart: float = 0.0
     driven: str = ""
     warmth: float | None = None
+    start: tuple[tuple[float, ...], ...] = ()
 
     @property
     def nodes(self) -> int:
@@ -163,7 +167,7 @@ class Structure:
     @property
     def factors(self) -> IntArray:
         """Of the logarithms of the hidden nodes' factors at the start, shape (hidden,), or (0,) without."""
-        return self._end + len(self.sensed) + np.arange(self.hidden if self.apart else 0)
+        return self._end + len(self.sensed) + np.arange(self.hidden if self.apart and not self.start else 0)
 
     @property
     def still(self) -> IntArray:
@@ -262,7 +266,9 @@ class Structure:
         return np.asarray(np.exp(np.minimum(vector[self.feeds], LARGEST)) * levels.further[:, [c for c, _ in self.fed]])
 
     def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> Begun | None:
-        """Where hidden nodes start if that goes with where they would rest."""
+        """Where hidden nodes start if that goes with the sensed ones."""
+        if self.start:
+            return begun_from(np.array(self.start), self.size, sensed, ambient)
         return begun(self, self.factors, vector, sensed, ambient) if self.factors.size else None
 
     def shown(self, inputs: Inputs, vector: FloatArray, temperature: FloatArray, change: FloatArray) -> FloatArray:  # noqa: D102

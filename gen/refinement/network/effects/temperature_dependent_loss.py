@@ -15,9 +15,11 @@ REFERENCE = 25.0
 """degC: what resistances are told at."""
 LEAST, MOST = -0.1, 0.05
 """1/K. Grease thins by 3 to 7 % for each kelvin about room temperature; metals' resistance grows by 0.4 %."""
-METALS = 0.012
+METALS, UNSEEN = 0.012, 2.0
 """1/K. Metals come to less: copper has 0.4 %, and where ferrite magnets weaken by 0.2 % the same torque takes as much
-more current, and heats by the square of it. From 25 to 100 degC that is 1.05 % of the heat at 25 for each kelvin."""
+more current, and heats by the square of it. From 25 to 100 degC that is 1.05 % of the heat at 25 for each kelvin.
+At a part without a sensor there may be more heat than the file gives it, of which what it grows by is a larger share:
+by this factor at most."""
 
 
 class TemperatureDependentLoss(NetworkEffect):
@@ -34,6 +36,7 @@ class TemperatureDependentLoss(NetworkEffect):
         self._reference = tuple(reference)
         self._hottest = tuple(hottest)
         self._names = motor.names
+        self._may_be_more = UNSEEN if min(nodes) >= motor.sensed else 1.0
         self._columns = motor.columns
         self.numbers = (Number("per_K", 0.0, 0.0, 0.01, LEAST, MOST),)
 
@@ -49,7 +52,7 @@ class TemperatureDependentLoss(NetworkEffect):
         return [f"heat would be less than none at {degC:.0f} degC, which was reached"] if least < 0.0 else []
 
     def change(self, values: Sequence[float]) -> str:  # noqa: D102
-        if values[0] < METALS:
+        if values[0] < METALS * self._may_be_more:
             return ""
         return (
             f"{self.component}: its heat grows by {values[0]:.1%} for each kelvin, where copper and magnets come to "

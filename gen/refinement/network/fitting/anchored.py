@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.identification.network.fitting.at_start import begun_from
 from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
-from gen.identification.network.fitting.physics import Physical, incidence_of, outer_of
+from gen.identification.network.fitting.physics import Begun, Physical, incidence_of, outer_of
 from gen.model.network import Network
 from gen.refinement.network.changing import excess
 from gen.refinement.network.changing.columns import Columns
@@ -225,8 +226,25 @@ class Anchored:
             for effect, place in zip(self.effects, self.places, strict=True)
         ]
 
-    def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> None:
-        """None: each run's starts are its own (see `tracing.warm_start`)."""
+    @cached_property
+    def _shares(self) -> FloatArray | None:
+        """Of the sensed nodes' rises, what nodes without a sensor have at the start: what the file expects of its own,
+        the average of an effect's own node; shape (h, S)."""
+        if not self.network.hidden or any(node.start_from is None for node in self.network.hidden):
+            return None
+        place = [self.names.index(node.name) for node in self.network.sensed]
+        named = {node.name: row for node, row in zip(self.network.hidden, self.network.hidden_at_start, strict=True)}
+        shares = np.full((self.nodes - self.sensors, self.sensors), 1.0 / self.sensors)
+        for row, name in enumerate(self.names[self.sensors : self.base_nodes]):
+            shares[row, place] = named[name][:-1]
+        return shares
+
+    def begun(self, vector: FloatArray, sensed: FloatArray, ambient: FloatArray) -> Begun | None:
+        """Where a file lets nodes start that tells what share of the sensed ones' rises they have.
+
+        Of others each run's starts are its own (see `tracing.warm_start`).
+        """
+        return None if self._shares is None else begun_from(self._shares, self.size, sensed, ambient)
 
     # The network at distinct inputs.
 

@@ -118,7 +118,8 @@ def _of_walls(data: Data, fitted: Fitted) -> Judged | None:
         return None
     vector = fitted.vector.copy()
     own = vector[shape.size :].reshape(fitted.problem.runs, fitted.problem.own)
-    own[: data.later, walls] = _ambient(data)[:, None] - data.inputs.begin[: data.later, -1:]
+    let = fitted.problem.let_begin(vector)
+    own[: data.later, walls] = _ambient(data)[:, None] - let[: data.later, walls]
     seen = data.is_later[:, None] & (data.inputs.covered > 0.0)
     return judged(data, fitted, np.where(seen, fitted.problem.evaluate(vector).residual, np.nan))
 
@@ -131,7 +132,8 @@ def _of_hidden(data: Data, fitted: Fitted) -> WarmStart:
     vector = fitted.vector.copy()
     own = vector[shape.size :].reshape(problem.runs, problem.own)
     said = np.array([shape.network.nodes[shape.order[k]].start_factor for k in hidden])
-    own[: data.later, hidden] = _ambient(data)[:, None] + said * rises - data.inputs.begin[: data.later, -1:]
+    let = problem.let_begin(vector)
+    own[: data.later, hidden] = _ambient(data)[:, None] + said * rises - let[: data.later, hidden]
     evaluated, slopes = problem.slopes(vector)
     seen = data.is_later[:, None] & (data.inputs.covered > 0.0)
     file = judged(data, fitted, np.where(seen, evaluated.residual, np.nan))
@@ -165,11 +167,11 @@ def _ambient(data: Data) -> FloatArray:
 
 
 def _rises(shape: Anchored, data: Data, fitted: Fitted) -> FloatArray:
-    """Where hidden nodes of the file would rest at the start of each later run, over the ambient, shape (R, h), K."""
+    """Where the file's hidden nodes begin in each later run but for their factor, over the ambient, shape (R, h), K."""
     sensors = shape.sensors
     own = fitted.problem.per_run(fitted.vector)[: data.later, :sensors]
     sensed = data.inputs.begin[: data.later, :sensors] + own - _ambient(data)[:, None]
-    return np.asarray(sensed @ shape.network.rest_of_hidden[:, :-1].T)
+    return np.asarray(sensed @ shape.network.expected_at_start.T)
 
 
 def _free(
