@@ -22,7 +22,7 @@ from gen.model.schedules import FloatArray
 SPEEDS = 5
 SLOWEST = 0.2
 """Of the full scale, that it ran at, where it was identified so slowly."""
-RAN, RESTED = np.geomspace(0.02, 2.0, 5), np.concatenate([[0.0], np.geomspace(0.004, 1.5, 7)])
+RAN, RESTED = np.geomspace(0.02, 2.0, 5), np.geomspace(0.004, 1.5, 8)
 """For how long it ran and has rested, over the slowest time constant at rest: minutes to hours, of a motor of two."""
 LONGEST_S = 14_400.0
 """That a time constant counts for: a wall that takes a day is as its room."""

@@ -69,6 +69,10 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "d6c10249a6902d59ae2daa160db8a7e7bc64e1bac3a25287ad833f02137ddad4",
         {"casing": 37.1821476090, "magnet": 39.1349802537},
     ),
+    "likely_start.json": (
+        "151ae7b5833bd3d0922f7b38faea4b8eb5c2ddfa7c04ed0468b5b22fd2690a07",
+        {"casing": 37.1821476090, "magnet": 39.1349802537},
+    ),
     "ambient_at_once.json": (
         "60781092f523aee6672382d67ffbf8e7e12b71c855cf7695840cedd6a41e7a97",
         FROZEN["my1016.json"][1],

@@ -52,7 +52,8 @@ class Later:
     def considered(self, name: str, *before: NetworkEffect) -> Considered:
         """The first candidate of a name on the winding or the whole motor, beside others."""
         places = ("winding", "motor", "casing")
-        effect = min((e for e in self.every if e.name == name), key=lambda e: places.index(e.component))
+        named = [e for e in self.every if e.name == name and e.component in places]
+        effect = min(named, key=lambda e: places.index(e.component))
         return Considered(effect, self.judged([*before, effect]), 0.0, ())
 
 
