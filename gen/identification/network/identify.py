@@ -23,7 +23,7 @@ from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.fitting.weights import weights
 from gen.identification.network.hidden_nodes import MOST_HIDDEN, SLACK, Candidate, Tried, bending, noise_of, stiff
 from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out
-from gen.identification.network.prune import pruned
+from gen.identification.network.prune import held_to_tables, pruned
 from gen.identification.network.search import Found, in_still_air, tightened, with_warmth
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
@@ -174,8 +174,8 @@ def _began_cold(data: NetworkData, found: Found, scale: Scale) -> bool:
 
 def _polished(data: NetworkData, found: Found, scale: Scale) -> Found:
     """The same network on the fine bins."""
-    inputs = inputs_of(data.fine)
-    problem = Problem(found.structure, inputs, prior_of(found.structure, inputs, scale))
+    inputs, structure = inputs_of(data.fine), held_to_tables(found)
+    problem = Problem(structure, inputs, prior_of(structure, inputs, scale))
     start = taken_over(problem, found.problem, found.vector)
     last = tightened(problem, start, found.density, AT_LAST, rounds=2)
     if not found.structure.factors.size:

@@ -28,6 +28,8 @@ SHOWN = 2.0
 """Standard deviations from which a slope over speed is shown by the runs; a path without costs the board no table."""
 HARM = 1.02
 """Factor on the left-out error within which a cut does no harm."""
+MOST_TABLES = 60
+"""Of 1 KB each, as one over all |PWM| has: the Mega reads 60 KB of its flash by addresses of 16 bits."""
 OBJECTION = 4.0
 """Increase of the runs' own weighed squares for each number that is cut, beyond which the runs speak against a cut.
 Of five steps at five speeds, one left out is missed by a kelvin or two at best: next to that the left-out error does
@@ -62,6 +64,31 @@ def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack
         if _harmless(errors, judged, slack_K) and not _objected(found, smaller):
             return smaller, errors
     return found, judged
+
+
+def held_to_tables(found: Found) -> Structure:
+    """Give the structure with as many paths within the motor constant as it takes for a board to hold all tables.
+
+    Those whose change with speed the runs show least are. What goes by temperature is worth more than these.
+    """
+    structure = found.structure
+    varying = [q for q, law in enumerate(structure.laws) if law is WITHIN]
+    too_many = tables_of(structure) - MOST_TABLES
+    if too_many <= 0:
+        return structure
+    deviation = spread_of(found).deviation
+    slopes = [structure.conductances[q].stop - 1 for q in varying]
+    shown = np.abs(found.vector[slopes]) / deviation[slopes]
+    least = [varying[k] for k in np.argsort(shown)[: -(-too_many // 2)]]
+    return replace(structure, constant=structure.constant | frozenset(least))
+
+
+def tables_of(structure: Structure) -> int:
+    """Say how many words of a board's network go with speed: a path within the motor has one at each of its ends."""
+    within = sum(law is WITHIN for law in structure.laws)
+    outside = sum(j < 0 for _, j in structure.paths)
+    by_temperature = outside * bool(structure.natural) + len(structure.heated) * (structure.warmth is not None)
+    return 2 * within + outside + len(structure.heated) + by_temperature
 
 
 def _refitted(found: Found, structures: Sequence[Structure], scale: Scale) -> Iterator[Found]:

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.firmware.contexts.network_terms import Terms
 from gen.identification.choice.models import Options, network_of
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
@@ -20,6 +21,7 @@ from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.steady import settled
 from gen.identification.network.fitting.structure import Structure, full
 from gen.identification.network.identify import identify_network
+from gen.identification.network.prune import tables_of
 from gen.identification.network.telling.page import network_report
 from gen.identification.settings import Settings
 from gen.lowering.network.lower import lower_network
@@ -138,7 +140,10 @@ def test_a_motor_whose_heat_grows_is_identified_written_and_built() -> None:
     assert {round(heat.per_K, 3) for heat in heats} == {PER_K}
     report = network_report(found.result, found.coefficients)
     assert re.search(r"Heats grow by 0\.6\d% .* warmer than \d+ degC; heats are those of nodes at that", report)
-    assert max(part.proof.bound_K for part in lower_network(found.coefficients, "fixed").components()) < 1e-3
+    program, network = lower_network(found.coefficients, "fixed"), found.coefficients.model.network
+    assert max(part.proof.bound_K for part in program.components()) < 1e-3
+    assert network is not None
+    assert len(Terms(program, network, "copper").tables) <= tables_of(structure)
     test = logged(9, np.repeat([255, 0, 120], [500, 300, 300]).astype(np.int64))
     assert test.ambient is not None
     first = {name: float(values[0]) for name, values in test.temps.items()}
