@@ -134,7 +134,7 @@ def _say(found: Refinement | NetworkRefinement) -> None:
         click.echo(f"  {effect['component']}{near}: {effect['name']} ({numbers})")
         if effect.get("changed"):
             held = "OUT holds it as --accept-change asks" if effect["written"] else "OUT does not hold it"
-            click.echo(f"    not as the motor was: it has changed, or the file was wrong there; {held}")
+            click.echo(f"    this has changed since the file was made, or the file was wrong there; {held}")
         for other in effect["evidence"]["lookalikes"]:
             click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
     if not found.effects and found.summary().get("refitted"):

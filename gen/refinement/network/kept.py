@@ -16,6 +16,8 @@ WALLS_ALONE = (
     "ambient: walls that lag behind the air were found, but a fixed ambient predicts as well as these and the measured "
     "air together, so nothing is written"
 )
+NOT_ACCEPTED = "It is not written into the model without --accept-change"
+ACCEPTED = "It is written into the model, as --accept-change asks"
 STANDS_FOR_IT = 0.7
 """Left-out error over that without any effect, above which what was found may as well stand for what comes and goes."""
 
@@ -27,7 +29,7 @@ class Kept:
     Attributes
     ----------
     changes
-        Of each in turn why it may be another motor; empty for an effect.
+        Of each in turn why it may be another motor, and whether that is written; empty for an effect.
     named
         Of each in turn whether it is named.
     effects
@@ -78,7 +80,8 @@ def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_ch
         Write what looks like another motor, too.
     """
     values = traced.values
-    changes = tuple(looks_like_a_change(one.effect, values[one.effect], traced.data) for one in traced.added)
+    found = [looks_like_a_change(one.effect, values[one.effect], traced.data) for one in traced.added]
+    changes = tuple(f"{change}. {ACCEPTED if accept_change else NOT_ACCEPTED}" if change else "" for change in found)
     grown = [bool(has_grown(one.effect, values[one.effect], traced.data)) for one in traced.added]
     missing = missing_heat(traced, grown, names)
     # What comes and goes is no change of the motor: what stood for it on average, or took little beside it, is told as

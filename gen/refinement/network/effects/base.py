@@ -208,6 +208,8 @@ class NetworkEffect(ABC):
     goes_with_speed = False
     """Whether it heats or cools alike whenever a speed is run again: then it is not what comes and goes, or differs
     between runs."""
+    of_the_motor = True
+    """Whether what it says by `change` is of the motor; else of what stands beside it."""
     lagging: int | None = None
     """The sensor to whose lag its one number adds."""
     nodes = 0

@@ -15,8 +15,8 @@ from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEff
 from gen.refinement.network.effects.offered import Offered
 
 LEAST_FACTOR, MOST_FACTOR = 0.01, 10.0
-LEAST_CHANGE = 0.25
-"""Of a conductance: what a file is off by, its own numbers are there for."""
+LEAST_CHANGE, LEAST_OF_ALL = 0.25, 0.1
+"""Of a conductance, and of all to the ambient together: what a file is off by, its own numbers are there for."""
 BY_SPEED = 0.2
 """Share of a conductance at full speed that has come with speed, below which there is no such share to lose."""
 
@@ -58,7 +58,7 @@ class PathChange(NetworkEffect):
             draft.conductance.scale(q, 1.0 + moved * (factor - 1.0), place.slopes(moved * factor))
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
-        if abs(values[0] - 1.0) < LEAST_CHANGE:
+        if abs(values[0] - 1.0) < (LEAST_OF_ALL if len(self._paths) > 1 else LEAST_CHANGE):
             return ["a conductance that has changed by so little is what the file may be off by"]
         return []
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from gen.errors import InputError
 from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network_parts import AMBIENT
 from gen.refinement.network.changing.writer import NetworkWriter
@@ -84,6 +85,49 @@ class AmbientOffset(NetworkEffect):
             entry.sensor(name, offset_K=-values[0])
 
 
+class WarmedThermometer(NetworkEffect):
+    """The ambient's sensor shows some of a part's rise, and a constant, too much: it hangs too near to the motor.
+
+    The ambient is then less than it was told by as much, and in balance every part is. What a part lags behind that is
+    left out: the rise that is shown moves no faster than the parts.
+    """
+
+    name = "sensor_gain"
+    component = AMBIENT
+    title = "the ambient's sensor is warmed by the motor"
+    of_the_motor = False
+    numbers = (Number("share_of_the_rise", 0.0, 0.0, 0.1, 0.0, 0.6), Number("offset_K", 0.0, 0.0, 3.0, -50.0, 50.0))
+    least = 0.01
+
+    def __init__(self, motor: Motor, sensor: int) -> None:
+        self._names, self._sensor = motor.names[: motor.sensed], sensor
+        self.acts_by = {"of": motor.names[sensor]}
+
+    def read(self, seen: Seen, values: FloatArray) -> tuple[Added, ...]:  # noqa: D102
+        rise, unit = seen.temperature[:, self._sensor] - seen.ambient, np.ones_like(seen.hours)
+        shown = values[0] * rise + values[1] * unit
+        return tuple(Added(sensor, -shown, (-rise, -unit)) for sensor in range(len(self._names)))
+
+    def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
+        return [] if values[0] >= self.least else [NO_MORE]
+
+    def change(self, values: Sequence[float]) -> str:  # noqa: D102
+        return (
+            f"the ambient's sensor shows {values[0]:.1%} of the rise of {self.acts_by['of']}, and {values[1]:+.1f} K, "
+            "too much: it hangs too near to the motor, or is warmed by it; hang it elsewhere, and log anew"
+        )
+
+    def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:
+        """Refuse.
+
+        Raises
+        ------
+        InputError
+            Always: no file holds it.
+        """
+        raise InputError("a file holds no ambient sensor that a motor warms: hang it elsewhere, and identify anew")
+
+
 class SensorGain(SensorEffect):
     """A share: of the rise over the ambient, as of a sensor that has come half off; or of degC, as of an amplifier."""
 
@@ -152,6 +196,8 @@ def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
     """Each at each sensor; and that of the ambient, which has its part in all of them."""
     if data.room_measured and motor.sensed > 1:
         yield AmbientOffset(motor)
+        for sensor in range(motor.sensed):
+            yield WarmedThermometer(motor, sensor)
     for sensor in range(motor.sensed):
         for kind in (SensorOffset, SensorLag, Drift):
             yield kind(motor, sensor)

@@ -38,12 +38,11 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
     """
     speed = _turned(data)
     found = has_grown(effect, values, data) or effect.change(values)
-    if not found:
-        return ""
+    if not found or not effect.of_the_motor:
+        return found
     return (
         f"{found}: the motor has changed since the file was made, or the file was wrong there: run "
-        f"{100.0 * float(np.median(speed)):.0f} % again as then. It is not written into the model without "
-        "--accept-change"
+        f"{100.0 * float(np.median(speed)):.0f} % again as then"
     )
 
 
@@ -64,8 +63,10 @@ def has_grown(effect: NetworkEffect, values: Sequence[float], data: Data) -> str
         return ""
     if effect.component == WHOLE:
         pattern = "as that of a motor that is worn, loaded more, or cools less (dust on it, a cover) does"
-    else:
+    elif effect.component in data.offered.hottest_degC:
         pattern = "and there alone, as a fault's does (a worn bearing or brush heats like that)"
+    else:
+        pattern = "as a fault's does (a worn bearing or brush heats like that), and so does what cools less there"
     return f"{effect.component}: its heat has grown {grown} at every speed that was run, {pattern}"
 
 
