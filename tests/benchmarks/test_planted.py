@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from benchmarks.plants.course import Course, course
-from benchmarks.plants.laws import Law
+from benchmarks.plants.laws import Form, Law
 from benchmarks.plants.plant import Plant, Source, Surface
 from benchmarks.plants.planted import faults, losses, outside, paths, sensing, surroundings
 from benchmarks.plants.planted.altered import Altered
@@ -305,3 +305,32 @@ def test_meters_see_what_varies() -> None:
     currents = [LOSSES.current(duty), LOSSES.current(duty) + 0.5, lower.current(duty) + 0.5, 0.0]
     np.testing.assert_allclose(seen.current, currents)
     np.testing.assert_allclose(seen.speed, [LOSSES.speed(duty), LOSSES.speed(duty), -lower.speed(duty), 0.0])
+
+
+def test_blocked_vents_take_what_speed_adds_and_nothing_at_rest() -> None:
+    node = replace(NODE, surfaces=(Surface(0, Law(0.5, gain=3.0, form=Form.LINEAR), natural=0.1),))
+    change = faults.Blocked(nodes=(0,), share=0.4)
+    speed = LOSSES.speed(200 / 255)
+    found = change.plant(node).surfaces[0]
+    assert found.law(0.0) == pytest.approx(0.5)
+    assert found.law(speed) == pytest.approx(0.5 * (1.0 + 0.6 * 3.0 * speed))
+    assert found.natural == pytest.approx(0.1)
+
+
+def test_what_is_covered_loses_less_by_air_and_by_radiation() -> None:
+    node = replace(NODE, surfaces=(Surface(0, Law(0.5, gain=3.0, form=Form.LINEAR), natural=0.1, radiating=0.02),))
+    found = faults.Covered(nodes=(0,), share=0.25).plant(node).surfaces[0]
+    assert found.law(0.7) == pytest.approx(0.75 * 0.5 * (1.0 + 3.0 * 0.7))
+    assert (found.natural, found.radiating) == pytest.approx((0.075, 0.015))
+
+
+def test_a_loosened_joint_settles_as_its_lower_conductance_says() -> None:
+    a, heat, outlet = by_hand(150)
+    link = LINEAR.links[0]
+    lost = 0.6 * link.law(LOSSES.speed(150 / 255))
+    i, j = link.first, link.second
+    a[[i, j], [i, j]] += lost
+    a[i, j] -= lost
+    a[j, i] -= lost
+    found = settled(LINEAR, faults.Loosened(link=0, share=0.6), 150)
+    np.testing.assert_allclose(found, solved(a, heat, outlet), atol=2e-3)

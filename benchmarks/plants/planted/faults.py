@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,8 +63,8 @@ class Wearing(Change):
 
 
 @dataclass(frozen=True)
-class Blocked(Change):
-    """Vents are blocked, or a fan came off: what speed adds to what surfaces lose is gone, or some of it.
+class LessCooled(Change):
+    """Surfaces lose less than they did.
 
     Parameters
     ----------
@@ -78,29 +79,22 @@ class Blocked(Change):
 
     def plant(self, plant: Plant) -> Plant:  # noqa: D102
         return replace(plant, surfaces=tuple(self._less(s) if s.node in self.nodes else s for s in plant.surfaces))
+
+    @abstractmethod
+    def _less(self, surface: Surface) -> Surface:
+        """The surface as it is now."""
+
+
+class Blocked(LessCooled):
+    """Vents are blocked, or a fan came off: what speed adds to what surfaces lose is gone, or some of it."""
 
     def _less(self, surface: Surface) -> Surface:
         law = surface.law
         return replace(surface, law=replace(law, gain=law.gain * (1.0 - self.share)))
 
 
-@dataclass(frozen=True)
-class Covered(Change):
-    """Surfaces lose less by the air and by radiation, at rest and at speed: dust, a cover, thin air.
-
-    Parameters
-    ----------
-    nodes
-        Whose surfaces.
-    share
-        Of it that is lost.
-    """
-
-    nodes: tuple[int, ...]
-    share: float
-
-    def plant(self, plant: Plant) -> Plant:  # noqa: D102
-        return replace(plant, surfaces=tuple(self._less(s) if s.node in self.nodes else s for s in plant.surfaces))
+class Covered(LessCooled):
+    """Surfaces lose less by the air and by radiation, at rest and at speed: dust, a cover, thin air."""
 
     def _less(self, surface: Surface) -> Surface:
         left = 1.0 - self.share
