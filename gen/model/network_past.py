@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import expm
 from scipy.optimize import nnls
 
 from gen.model.network import Network
@@ -29,6 +30,7 @@ LONGEST_S = 14_400.0
 READING_K, ROOM_K = 0.4, 0.5
 """What single readings, and the room's together, are off by (standard deviations)."""
 ROOM_DEGC = 25.0
+"""From which rises count, where heat goes with temperature."""
 MOST = 7.9
 """Sum of a node's weights: a file holds less than 8."""
 
@@ -109,7 +111,5 @@ def _warmed(of: Dynamics, times_s: FloatArray) -> FloatArray:
 
 
 def _steps(matrix: FloatArray, times_s: FloatArray) -> list[FloatArray]:
-    """exp(M t) at some times, by the modes of what conducts alike both ways."""
-    values, vectors = np.linalg.eig(matrix)
-    back = np.linalg.inv(vectors)
-    return [np.real((vectors * np.exp(values * time)) @ back) for time in times_s]
+    """exp(M t) at some times."""
+    return [expm(matrix * time) for time in times_s]

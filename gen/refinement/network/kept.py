@@ -18,6 +18,7 @@ WALLS_ALONE = (
 )
 NOT_ACCEPTED = "It is not written into the model without --accept-change"
 ACCEPTED = "It is written into the model, as --accept-change asks"
+NOT_HELD = "No file holds it"
 STANDS_FOR_IT = 0.7
 """Left-out error over that without any effect, above which what was found may as well stand for what comes and goes."""
 
@@ -81,7 +82,11 @@ def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_ch
     """
     values = traced.values
     found = [looks_like_a_change(one.effect, values[one.effect], traced.data) for one in traced.added]
-    changes = tuple(f"{change}. {ACCEPTED if accept_change else NOT_ACCEPTED}" if change else "" for change in found)
+    held = ACCEPTED if accept_change else NOT_ACCEPTED
+    changes = tuple(
+        f"{change}. {held if one.effect.of_the_motor else NOT_HELD}" if change else ""
+        for one, change in zip(traced.added, found, strict=True)
+    )
     grown = [bool(has_grown(one.effect, values[one.effect], traced.data)) for one in traced.added]
     missing = missing_heat(traced, grown, names)
     # What comes and goes is no change of the motor: what stood for it on average, or took little beside it, is told as
@@ -91,7 +96,11 @@ def kept(traced: Traced, names: Sequence[str], *, fixed_ambient: bool, accept_ch
     little = traced.final.score_K > STANDS_FOR_IT * traced.null.score_K
     named = tuple(not (loads and (change or mean or little)) for change, mean in zip(changes, means, strict=True))
     each = zip(traced.added, changes, named, strict=True)
-    written = tuple(found.effect for found, change, told in each if accept_change or (told and not change))
+    written = tuple(
+        found.effect
+        for found, change, told in each
+        if (accept_change and found.effect.of_the_motor) or (told and not change)
+    )
     # Walls about an ambient that the file holds for fixed would be no walls.
     alone = fixed_ambient and any(isinstance(effect, Walls) for effect in written)
     return Kept(changes, named, () if alone else written, missing, alone)

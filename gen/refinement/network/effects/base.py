@@ -209,7 +209,7 @@ class NetworkEffect(ABC):
     """Whether it heats or cools alike whenever a speed is run again: then it is not what comes and goes, or differs
     between runs."""
     of_the_motor = True
-    """Whether what it says by `change` is of the motor; else of what stands beside it."""
+    """Whether what it says by `change` is of the motor; else of what stands beside it, and no file may hold it."""
     lagging: int | None = None
     """The sensor to whose lag its one number adds."""
     nodes = 0

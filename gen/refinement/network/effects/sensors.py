@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.errors import InputError
 from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network_parts import AMBIENT
 from gen.refinement.network.changing.writer import NetworkWriter
@@ -118,14 +117,7 @@ class WarmedThermometer(NetworkEffect):
         )
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:
-        """Refuse.
-
-        Raises
-        ------
-        InputError
-            Always: no file holds it.
-        """
-        raise InputError("a file holds no ambient sensor that a motor warms: hang it elsewhere, and identify anew")
+        """Write nothing: no file holds an ambient sensor that the motor warms."""
 
 
 class SensorGain(SensorEffect):
