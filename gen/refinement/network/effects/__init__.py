@@ -18,6 +18,7 @@ from gen.refinement.network.effects import (
 from gen.refinement.network.effects.base import Motor, NetworkEffect
 from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.effects.offered import Offered
+from gen.refinement.network.effects.path_change import PathChange
 from gen.refinement.network.effects.schedule_error import ScheduleError
 
 LIBRARY = (
@@ -42,4 +43,4 @@ def candidates(motor: Motor, data: Offered) -> list[NetworkEffect]:
     return [effect for module in LIBRARY for effect in module.offered(motor, data)]
 
 
-__all__ = ["LIBRARY", "HiddenNode", "Motor", "NetworkEffect", "Offered", "ScheduleError", "candidates"]
+__all__ = ["LIBRARY", "HiddenNode", "Motor", "NetworkEffect", "Offered", "PathChange", "ScheduleError", "candidates"]

@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from gen.refinement.gains import LEAST_GAIN, LEVEL, TOO_LITTLE
-from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects import NetworkEffect, PathChange
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench, Fitted
-from gen.refinement.network.tracing.changed import has_grown, looks_like_a_change
+from gen.refinement.network.tracing.changed import has_grown
 from gen.refinement.network.tracing.judged import Judged, doubts, judged, p_better
 
 PLAIN, PLAIN_LEVEL, LEAST_DECREASE = 0.75, 0.2, 25.0
@@ -136,7 +136,8 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     near = [one for one in accepted if one.judged.score_K <= AS_GOOD * accepted[0].judged.score_K]
     likeliest = min(near, key=lambda one: _priced(one.judged.fitted))
     added = likeliest
-    if not looks_like_a_change(likeliest.effect, likeliest.values, data):
+    if not isinstance(likeliest.effect, PathChange):
+        # A way of heat that was lost is not learnt either: there it need not be a fault's heat to be on the safe side.
         added = next((one for one in accepted if may_be_a_fault(data, accepted[0], one)), likeliest)
     alike = [one for one in accepted if one is not added and p_better(data, one.judged, added.judged) > LEVEL]
     return Step(now, tuple(considered), added, tuple(alike))

@@ -9,7 +9,7 @@ from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench
-from gen.refinement.network.tracing.judged import Judged, doubts_of, is_explained, judged
+from gen.refinement.network.tracing.judged import Judged, doubts, doubts_of, is_explained, judged
 from gen.refinement.network.tracing.paths import exchanged, followed, from_another_beginning
 from gen.refinement.network.tracing.search import Considered, Step
 
@@ -69,8 +69,11 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     path = followed(bench, (), null, every, progress)
     path = from_another_beginning(bench, path, every, progress)
     path = exchanged(bench, path, every, progress)
-    left, now = needed(bench, list(path.steps), path.now, progress)
-    left, now = sound(bench, left, now, progress)
+    left, now = sound(bench, list(path.steps), path.now, progress)
+    fewer, without = needed(bench, left, now, progress)
+    if not doubts(without.fitted):
+        # What stands for another one only by a number at its limit does not stand for it.
+        left, now = fewer, without
     dropped = tuple(step.added for step in path.steps if step.added is not None and step not in left)
     return Traced(data, file, null, tuple(left), now, dropped)
 
