@@ -146,6 +146,11 @@ def refine_network(
         f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
         for one in traced.dropped
     ]
+    warnings += [
+        f"{one.effect.component}: {one.effect.name} was found, and not kept: fitted with all else a number of it ends "
+        "at its physical limit"
+        for one in traced.unsound
+    ]
     effects = _entries(traced, sorted_out, room, start)
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, progress)

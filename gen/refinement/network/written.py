@@ -115,7 +115,7 @@ def written(
             with building():
                 fitted.shape.write(writer, fitted.vector, kept)
                 text = with_network(raw, writer.entry, f"refined: {said}", channel)
-            entry = _begun_anew(network, writer.entry, parse(text.encode()))
+            entry = _begun_anew(network, writer.entry, parse(text.encode()), start.factors)
             text = with_network(raw, entry, f"refined: {said}", channel)
             parse(text.encode())
         except InputError as error:
@@ -129,13 +129,18 @@ def written(
     return Written(unchanged.text, refused=why)
 
 
-def _begun_anew(before: NetworkEntry, entry: NetworkEntry, made: Coefficients) -> NetworkEntry:
-    """Let hidden nodes begin where the network, as it is now, lets expect them; not those that began otherwise."""
+def _begun_anew(
+    before: NetworkEntry, entry: NetworkEntry, made: Coefficients, factors: Mapping[str, float]
+) -> NetworkEntry:
+    """Let hidden nodes begin where the network, as it is now, lets expect them.
+
+    Not those that began otherwise, or begin at factors that were found for what the file says.
+    """
     assert made.model.network is not None
     shares = network_start_weights(made.model.network, *made.document.validity.pwm)
     if shares is None:
         return entry
-    otherwise = {node.name for node in before.nodes if node.start_from is None}
+    otherwise = {node.name for node in before.nodes if node.start_from is None or node.start_factor != 1.0} | {*factors}
     sensed = [node.name for node in made.model.network.sensed]
     likely = dict(zip((node.name for node in made.model.network.hidden), shares.tolist(), strict=True))
     nodes = []

@@ -18,6 +18,8 @@ from gen.refinement.network.changing.writer import NetworkWriter
 
 WHOLE = "motor"
 """The component of an effect that acts on the whole motor."""
+GROWN = 1.03
+"""Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""
 SPEEDS = np.linspace(0.1, 1.0, 19)
 """At which powers of speed are told."""
 OWN = -2

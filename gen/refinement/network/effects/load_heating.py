@@ -12,11 +12,8 @@ from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
 from gen.refinement.network.changing.writer import NetworkWriter
-from gen.refinement.network.effects.base import Motor, NetworkEffect, Number, Place
+from gen.refinement.network.effects.base import GROWN, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
-
-GROWN = 1.03
-"""Of the old heat: a measured current takes over some of it, and adds none."""
 
 
 class LoadHeating(NetworkEffect):
@@ -45,6 +42,7 @@ class LoadHeating(NetworkEffect):
         draft.heat.add(self._node, values[0] * unit, place.slopes(unit))
 
     def change(self, values: Sequence[float]) -> str:  # noqa: D102
+        # A measured current takes over some of the old heat, and adds none to it.
         if not self._replaces or values[1] < GROWN:
             return ""
         return (

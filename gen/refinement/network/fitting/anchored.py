@@ -22,7 +22,7 @@ from gen.refinement.network.changing.lagged import Lagged
 from gen.refinement.network.changing.writer import NetworkWriter, Scale
 from gen.refinement.network.effects import Motor, NetworkEffect
 from gen.refinement.network.effects.base import OWN, Place, Seen
-from gen.refinement.network.fitting.file_curves import FileCurves, motor_of
+from gen.refinement.network.fitting.file_curves import LEAST_W_PER_K, FileCurves, motor_of
 from gen.refinement.network.fitting.forms import HEAT, OUTSIDE, WITHIN, Form, turning_at
 
 CAPACITY, LEVEL, LEVEL_WITHIN, BEND_SHARE, AT_REST, SLOPE_OVER_SPEED, OFFSET_K = 0.15, 0.15, 0.4, 0.15, 0.05, 0.2, 0.15
@@ -32,7 +32,6 @@ the motor, of bends over speed (as a share of what identification allows), of co
 
 Runs tell some paths within the motor to a percent and others hardly. Which, the runs that stand for the file tell
 (`anchors.py`); held to 15 %, one of those that are hardly known makes a right effect pay for it."""
-LEAST_W_PER_K = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,11 @@ import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
 from gen.refinement.network.effects import HiddenNode, NetworkEffect, ScheduleError
-from gen.refinement.network.effects.base import WHOLE
+from gen.refinement.network.effects.base import GROWN, WHOLE
 from gen.refinement.network.fitting.data import Data
 
-GROWN = 1.03
-"""Heat that has grown by more than this at every speed that was run is a fault's pattern: no curve errs like that."""
 GROWN_EVERYWHERE, NEARLY_ALL = 1.01, 0.1
-"""The same of all heat together, which runs tell better than that of one node, at all but this share of the speeds."""
+"""`GROWN` of all heat together, which runs tell better than that of one node, at all but this share of the speeds."""
 PEAK = 3.0
 """Heat of the whole motor that has grown at a speed between by this factor more than at the lowest and the highest that
 were run is that of a resonance, or of a schedule that was wrong there: what covers or loads a motor does not peak."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gen.refinement.network.effects import NetworkEffect, candidates
@@ -36,6 +36,8 @@ class Traced:
         With all that was found.
     dropped
         What was found first, and is not needed beside what came after.
+    unsound
+        What was found, and has come to a physical limit since.
     """
 
     data: Data
@@ -44,6 +46,7 @@ class Traced:
     steps: tuple[Step, ...]
     final: Judged
     dropped: tuple[Considered, ...]
+    unsound: tuple[Considered, ...] = ()
 
     @property
     def added(self) -> list[Considered]:
@@ -69,13 +72,18 @@ def trace(data: Data, shape: Anchored, progress: Callable[[str], None]) -> Trace
     path = followed(bench, (), null, every, progress)
     path = from_another_beginning(bench, path, every, progress)
     path = exchanged(bench, path, every, progress)
-    left, now = sound(bench, list(path.steps), path.now, progress)
-    fewer, without = needed(bench, left, now, progress)
-    if not doubts(without.fitted):
+    kept, now = sound(bench, list(path.steps), path.now, progress)
+    fewer, with_fewer = needed(bench, kept, now, progress)
+    left = kept
+    if not doubts(with_fewer.fitted):
         # What stands for another one only by a number at its limit does not stand for it.
-        left, now = fewer, without
-    dropped = tuple(step.added for step in path.steps if step.added is not None and step not in left)
-    return Traced(data, file, null, tuple(left), now, dropped)
+        left, now = fewer, with_fewer
+    return Traced(data, file, null, tuple(left), now, _added(kept, left), _added(path.steps, kept))
+
+
+def _added(before: Sequence[Step], after: Sequence[Step]) -> tuple[Considered, ...]:
+    """What was added by steps that are no longer there."""
+    return tuple(step.added for step in before if step.added is not None and step not in after)
 
 
 def needed(

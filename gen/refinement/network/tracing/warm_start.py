@@ -24,7 +24,7 @@ from gen.refinement.verdict import EXPLAINED
 SPREAD = 1.0
 """Standard deviation of a factor about what the file says."""
 LEAST, MOST = 0.0, 8.0
-"""What a file may hold."""
+"""What a file may hold, times the shares that its nodes start from."""
 MARGIN = 1e-3
 LEAST_K = 2.0
 """A hidden node that would rest less than this above the ambient, at the start of every run, tells nothing of one."""
@@ -144,17 +144,18 @@ def _of_hidden(data: Data, fitted: Fitted) -> WarmStart:
     unit = np.asarray(slopes[:, :, shape.size + hidden] * each[:, None, :], dtype=np.float64)
     error = np.full(evaluated.residual.shape, np.nan)
     weight = problem.inputs.weight
-    free = _free(unit, evaluated.residual, weight, seen, said)
+    most = MOST / np.maximum(shape.network.expected_at_start.sum(axis=1), 1.0) - MARGIN
+    free = _free(unit, evaluated.residual, weight, seen, said, most)
     for run in range(data.later):
         of = data.inputs.run == run
-        change = free * _change(unit * free, evaluated.residual, weight, seen & ~of[:, None], said)
+        change = free * _change(unit * free, evaluated.residual, weight, seen & ~of[:, None], said, most)
         error[of] = (evaluated.residual - unit @ change)[of]
     found = judged(data, fitted, np.where(seen, error, np.nan))
     p = p_better(data, file, found)
     chance = p > LEVEL and not (found.score_K < PLAIN * file.score_K and p < PLAIN_LEVEL)
     if chance or found.score_K > (1.0 - LEAST_GAIN) * file.score_K:
         return WarmStart(file, {}, file, p)
-    factors = said + free * _change(unit * free, evaluated.residual, weight, seen, said)
+    factors = said + free * _change(unit * free, evaluated.residual, weight, seen, said, most)
     names = [shape.names[k] for k in hidden]
     moves = np.array([np.ptp(run.ambient) for run in data.inputs.runs[: data.later]])
     by_the_room = data.offered.room_moves and bool(np.all(np.abs(factors * rises) <= moves[:, None]))
@@ -175,23 +176,33 @@ def _rises(shape: Anchored, data: Data, fitted: Fitted) -> FloatArray:
 
 
 def _free(
-    unit: FloatArray, residual: FloatArray, weight: FloatArray, seen: NDArray[np.bool_], said: FloatArray
+    unit: FloatArray,
+    residual: FloatArray,
+    weight: FloatArray,
+    seen: NDArray[np.bool_],
+    said: FloatArray,
+    most: FloatArray,
 ) -> FloatArray:
     """Say which factors may differ, 1 or 0, shape (h,): one that would end at the most that a file holds is none."""
     free = np.ones(said.size)
     while True:
-        factors = said + free * _change(unit * free, residual, weight, seen, said)
-        ends = (factors >= MOST - MARGIN) & (free > 0.0)
+        factors = said + free * _change(unit * free, residual, weight, seen, said, most)
+        ends = (factors >= most) & (free > 0.0)
         if not ends.any():
             return free
         free[ends] = 0.0
 
 
 def _change(
-    unit: FloatArray, residual: FloatArray, weight: FloatArray, seen: NDArray[np.bool_], said: FloatArray
+    unit: FloatArray,
+    residual: FloatArray,
+    weight: FloatArray,
+    seen: NDArray[np.bool_],
+    said: FloatArray,
+    most: FloatArray,
 ) -> FloatArray:
     """By how much the factors should differ, least squares with what is known of them, shape (h,)."""
     used = np.where(seen, weight, 0.0)
     matrix = np.einsum("nsh,ns,nsk->hk", unit, used, unit) + np.eye(said.size) / SPREAD**2
     right = np.einsum("nsh,ns,ns->h", unit, used, residual)
-    return np.asarray(np.clip(said + np.linalg.solve(matrix, right), LEAST, MOST - MARGIN) - said)
+    return np.asarray(np.clip(said + np.linalg.solve(matrix, right), LEAST, most) - said)
