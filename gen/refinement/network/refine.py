@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,10 @@ from gen.side_by_side import side_by_side
 
 NOT_IN_ALL = (
     "what was found for all runs together is not written, since they differ: with --accept-change it is, as their mean"
+)
+NOT_WITHOUT_THE_CHANGE = (
+    "what was found beside the change is right beside it alone: without it, it would miss the runs by more than the "
+    "file does, so it is not written either"
 )
 
 
@@ -160,6 +164,10 @@ def refine_network(
         after = _errors(refined, kept_paths, test_paths, lambda what: progress(f"{what} with what was found"))
     torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if sorted_out.parts_runs else [])
     torn = [] if accept_change else torn
+    if torn and not sorted_out.parts_runs and room is None and any(sorted_out.changes):
+        torn, sorted_out, start = [], replace(sorted_out, effects=()), start.as_the_file
+        made, after, effects = Written(raw), before, _entries(traced, sorted_out, room, start)
+        warnings.append(NOT_WITHOUT_THE_CHANGE)
     warnings += [] if torn or made.text == raw else start.warnings
     if torn:
         made, after, effects = Written(raw), before, []

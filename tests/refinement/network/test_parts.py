@@ -11,7 +11,7 @@ from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data, make_data
 from gen.refinement.network.fitting.folds import described, folds_of
-from gen.refinement.network.tracing.changed import looks_like_a_change
+from gen.refinement.network.tracing.changed import has_grown, looks_like_a_change
 from tests.refinement.network.motor import profile, read, run, tree, wave
 
 
@@ -60,7 +60,6 @@ def test_what_is_left_out_is_told() -> None:
     ("values", "fault"),
     [
         ((1.0, 1.3, 1.4, 1.5, 1.4, 1.3), True),
-        ((1.0, 0.8, 0.8, 0.8, 0.8, 0.8), False),
         ((1.0, 1.2, 1.2, 1.0, 0.8, 0.8), False),
         ((1.0, 1.0, 1.0, 1.3, 1.0, 1.0), False),
     ],
@@ -85,6 +84,29 @@ def test_heat_that_has_grown_most_at_slow_speeds_is_no_wear_of_one_part() -> Non
     resonance = (1.2, 1.4, 1.5, 1.2, 1.06, 1.04)
     assert not looks_like_a_change(ScheduleError(motor, [0], "winding"), resonance, made)
     assert looks_like_a_change(ScheduleError(motor, [0, 1], WHOLE), resonance, made)  # a cover may do that
+
+
+@pytest.mark.parametrize(
+    ("values", "changed"),
+    [
+        ((1.03, 0.95, 0.9, 0.87, 0.85, 0.82), True),
+        ((1.0, 0.98, 0.98, 0.97, 0.98, 0.98), False),
+        ((1.0, 0.95, 0.95, 0.6, 0.95, 0.95), False),
+        ((1.0, 0.8, 0.8, 0.8, 1.0, 1.0), False),
+    ],
+    ids=["a lower supply", "within what a file errs by", "a dip", "at some speeds"],
+)
+def test_less_heat_of_the_whole_motor_at_every_speed_is_told_as_a_change(
+    values: tuple[float, ...], changed: bool
+) -> None:
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    whole = ScheduleError(motor, [0, 1], WHOLE)
+    assert ("its heat is less" in looks_like_a_change(whole, values, made)) == changed
+    assert not has_grown(whole, values, made)  # nothing that a fault does
+    assert not looks_like_a_change(ScheduleError(motor, [0], "winding"), values, made)
 
 
 @pytest.mark.parametrize(("peak", "fault"), [(1.12, True), (1.4, False)])

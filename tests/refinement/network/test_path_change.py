@@ -38,6 +38,26 @@ def test_blocked_vents_are_told_and_not_learnt(tmp_path: Path) -> None:
     assert found.verdict == "partly explained"
 
 
+def loose(motor: Tree) -> Tree:
+    """The winding's sensor shows 0.85 of the rise."""
+    motor["network"]["nodes"][0]["sensor"] |= {"gain_error": -0.15}
+    return motor
+
+
+def test_a_loose_sensor_is_told_beside_blocked_vents(tmp_path: Path) -> None:
+    """A search that ends in the change would leave it to be found once the vents are open."""
+    found = refined(loose(blocked()), tmp_path)
+    change, sensor = found.details()["effects"]
+    assert (change["name"], change["changed"], change["written"]) == ("path_change", True, False)
+    assert (sensor["name"], sensor["component"], sensor["changed"]) == ("sensor_gain", "winding", False)
+    assert sensor["parameters"]["gain_error"] == pytest.approx(-0.15, abs=0.02)
+    # The motor is warmer by more than the sensor hides: a file that knows the sensor alone would miss the runs by more.
+    assert not sensor["written"]
+    assert found.model.text == found.baseline.text
+    assert any("right beside it alone" in warning for warning in found.warnings)
+    assert found.verdict == "partly explained"
+
+
 def test_what_was_accepted_is_in_the_file(tmp_path: Path) -> None:
     refined(blocked(), tmp_path)  # leaves its files
     baseline = gen.load(tmp_path / "small.json")

@@ -17,7 +17,8 @@ STIFF = 300.0
 """Conductance between walls and air over the motor's typical one: so the motor does not warm its room."""
 FASTEST_S, SLOWEST_S = 1800.0, 40_000.0
 LEAST_RATIO = 0.1
-"""Of what goes to walls over what goes to the air: radiation alone carries more of what a motor gives off."""
+"""Of what goes to walls over what goes to the air: radiation alone carries more of what a motor gives off. There is no
+most: in a cabinet outside of which the thermometer is, all goes to walls."""
 
 
 class Walls(NetworkEffect):
@@ -42,7 +43,7 @@ class Walls(NetworkEffect):
         self.acts_by = {"through": "walls"}
         self.numbers = (
             Number("lag_s", 7200.0, float(np.log(capacity)), 1.0, 1e-9, 1e9, log=True, unit=self._to_air),
-            Number("to_walls_over_to_air", 0.5, 0.0, 1.5, LEAST_RATIO, 200.0, log=True),
+            Number("to_walls_over_to_air", 0.5, 0.0, 1.5, LEAST_RATIO, np.inf, log=True),
         )
 
     @property

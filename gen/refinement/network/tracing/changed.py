@@ -13,9 +13,12 @@ from gen.refinement.network.fitting.data import Data
 
 GROWN_EVERYWHERE, NEARLY_ALL = 1.01, 0.1
 """`GROWN` of all heat together, which runs tell better than that of one node, at all but this share of the speeds."""
+FALLEN_EVERYWHERE = 0.97
+"""The same of heat that has become less. Less is no fault: it takes more to be told as a change, and none is sought."""
 PEAK = 3.0
 """Heat of the whole motor that has grown at a speed between by this factor more than at the lowest and the highest that
-were run is that of a resonance, or of a schedule that was wrong there: what covers or loads a motor does not peak."""
+were run is that of a resonance, or of a schedule that was wrong there: what covers or loads a motor does not peak. Nor
+does what asks for less heat."""
 RISES = 0.5
 """What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
 asks for, heat more the faster it turns. A resonance does not."""
@@ -35,7 +38,7 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         The runs, for the speeds that they hold.
     """
     speed = _turned(data)
-    found = has_grown(effect, values, data) or effect.change(values)
+    found = has_grown(effect, values, data) or _fallen(effect, values, speed) or effect.change(values)
     if not found or not effect.of_the_motor:
         return found
     return (
@@ -68,6 +71,20 @@ def has_grown(effect: NetworkEffect, values: Sequence[float], data: Data) -> str
     return f"{effect.component}: its heat has grown {grown} at every speed that was run, {pattern}"
 
 
+def _fallen(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) -> str:
+    """Say by how much the heat of the whole motor is less at ascending speeds, shape (L,); nothing where it is not."""
+    if not isinstance(effect, ScheduleError) or effect.component != WHOLE:
+        return ""
+    factor = effect.factor(speed, values)
+    most = float(np.quantile(factor, 1.0 - NEARLY_ALL))
+    if most > FALLEN_EVERYWHERE or _peaks(1.0 - factor):
+        return ""
+    return (
+        f"{WHOLE}: its heat is less by {1.0 - most:.0%} to {1.0 - factor.min():.0%} at every speed that was run, as of "
+        "a motor with a lower supply, or with less load"
+    )
+
+
 def _turned(data: Data) -> FloatArray:
     """At which speeds the motor turned in the later runs, ascending, shape (L,)."""
     levels = data.inputs.levels
@@ -90,7 +107,7 @@ def _grown(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) ->
     least = float(np.quantile(factor, NEARLY_ALL) if everywhere else factor.min())
     if least < (GROWN_EVERYWHERE if everywhere else GROWN):
         return ""
-    if _peaks(factor) if everywhere else _falls(effect.added_W(speed, values)):
+    if _peaks(factor - 1.0) if everywhere else _falls(effect.added_W(speed, values)):
         return ""
     return f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
 
@@ -100,7 +117,6 @@ def _falls(added_W: FloatArray) -> bool:
     return bool(added_W[-1] < RISES * added_W.max())
 
 
-def _peaks(factor: FloatArray) -> bool:
-    """Whether factors over ascending speeds, shape (L,), have grown between both ends by far more than at these."""
-    grown = factor - 1.0
-    return bool(grown.max() > PEAK * max(grown[0], grown[-1]))
+def _peaks(differs: FloatArray) -> bool:
+    """Whether what differs over ascending speeds, shape (L,), does so between both ends by far more than at these."""
+    return bool(differs.max() > PEAK * max(differs[0], differs[-1]))

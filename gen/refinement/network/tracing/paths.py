@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.fit import Bench
 from gen.refinement.network.tracing.changed import looks_like_a_change
-from gen.refinement.network.tracing.judged import Judged, judged, p_better
+from gen.refinement.network.tracing.judged import Judged, is_explained, judged, p_better
 from gen.refinement.network.tracing.search import (
     ENOUGH_BESIDE,
     LEAST_GAIN_BESIDE,
@@ -27,7 +27,10 @@ from gen.refinement.network.tracing.search import (
 from gen.refinement.verdict import EXPLAINED
 
 MOST_EFFECTS = 3
-PROMISING = 0.75
+LEAST_GAIN_BESIDE_A_CHANGE = 0.25
+"""Share of the left-out error that an effect has to take away beside what looks like another motor: less may be what
+the form of the change leaves."""
+PROMISING = 0.85
 """Priced cost that a linear step promises of a pair, over that of all that was found, below which it is tried."""
 
 
@@ -73,13 +76,14 @@ def followed(
         Called with what is being done.
     """
     while len(steps) < MOST_EFFECTS:
-        step = one_more(bench, now, every if leaves_some(bench, now) else [], progress)
+        least_gain = LEAST_GAIN_BESIDE_A_CHANGE if _has_a_change(bench, now) else LEAST_GAIN_BESIDE
+        step = one_more(bench, now, every if leaves_some(bench, now) else [], progress, least_gain)
         steps = (*steps, step)
         if step.added is None:
             break
         now = _with(bench, step.added)
-        if _ends_in_a_change(bench, now):
-            # What is left beside a fault is the fault's, too.
+        if _has_a_change(bench, now) and is_explained(bench.data, now):
+            # What little is left beside a fault is the fault's, too.
             break
     return Path(steps, now)
 
@@ -100,13 +104,14 @@ def from_another_beginning(
     progress
         Called with what is being done.
     """
-    # What is left beside a fault may be the fault's, too: only a change that does not explain the error is doubted.
-    enough = EXPLAINED if _ends_in_a_change(bench, path.now) else ENOUGH_BESIDE
-    if not path.added or path.now.floors <= enough:
+    # What is left beside a fault may be the fault's, too: only a change that does not explain the error is doubted, and
+    # only for what does, since that is learnt.
+    changed = _has_a_change(bench, path.now)
+    if not path.added or path.now.floors <= (EXPLAINED if changed else ENOUGH_BESIDE):
         return path
     other = _most_promising(bench, path, every, progress)
     begun = None if other is None else _begun(bench, path, other, every, progress)
-    if begun is not None:
+    if begun is not None and (is_explained(bench.data, begun.now) or not changed):
         return followed(bench, begun.steps, begun.now, every, progress)
     bench.weigh_as(path.now.fitted)
     return path
@@ -117,13 +122,13 @@ def _begun(
 ) -> Path | None:
     """Give the best pair that begins with an effect; None if it is not plainly better than all that was found."""
     alone = _with(bench, first)
-    if _ends_in_a_change(bench, alone):
+    if _has_a_change(bench, alone):
         return None
     second = one_more(bench, alone, every, progress)
     if second.added is None:
         return None
     pair = _with(bench, second.added)
-    if pair.score_K >= (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K or _ends_in_a_change(bench, pair):
+    if pair.score_K >= (1.0 - LEAST_GAIN_BESIDE) * path.now.score_K or _has_a_change(bench, pair):
         return None
     return Path((_instead(path.steps[0], first), second), pair)
 
@@ -175,9 +180,9 @@ def exchanged(bench: Bench, path: Path, every: Sequence[NetworkEffect], progress
         Called with what is being done.
     """
     found = path.added
-    if len(found) < 2 or _ends_in_a_change(bench, path.now):
+    if len(found) < 2 or _has_a_change(bench, path.now):
         return path
-    steps = list(path.steps)
+    steps, explained = list(path.steps), is_explained(bench.data, path.now)
     for place, old in enumerate(found[:-1]):
         bench.weigh_as(path.now.fitted)
         others = tuple(one.effect for one in found if one is not old)
@@ -188,17 +193,22 @@ def exchanged(bench: Bench, path: Path, every: Sequence[NetworkEffect], progress
         if again.added.effect.name == old.effect.name:
             steps[place] = replace(steps[place], lookalikes=again.lookalikes)
             continue
+        if explained and looks_like_a_change(again.added.effect, again.added.values, bench.data):
+            continue
         other = _gone_on(bench, path.steps[: place + 1], again.added.effect, every, progress)
-        if other is not None and _predicts_better(other, path):
+        if _predicts_better(bench, other, path):
             return other
     bench.weigh_as(path.now.fitted)
     return Path(tuple(steps), path.now)
 
 
-def _predicts_better(other: Path, path: Path) -> bool:
-    """Whether it predicts better what was left out; with more effects, plainly."""
-    more = len(other.added) > len(path.added)
-    return other.now.score_K < (1.0 - LEAST_GAIN_BESIDE if more else 1.0) * path.now.score_K
+def _predicts_better(bench: Bench, other: Path, path: Path) -> bool:
+    """Whether it predicts better what was left out; with more effects, or as another motor, plainly."""
+    changed = _has_a_change(bench, other.now)
+    if changed and is_explained(bench.data, path.now):
+        return False  # what effects explain is no other motor
+    plainly = changed or len(other.added) > len(path.added)
+    return other.now.score_K < (1.0 - LEAST_GAIN_BESIDE if plainly else 1.0) * path.now.score_K
 
 
 def _gone_on(
@@ -207,20 +217,17 @@ def _gone_on(
     effect: NetworkEffect,
     every: Sequence[NetworkEffect],
     progress: Callable[[str], None],
-) -> Path | None:
-    """Go on from an effect that the last search might have added; None if that is another motor."""
+) -> Path:
+    """Go on from an effect that the last search might have added."""
     *before, last = steps
     base = last.without.fitted
     bench.weigh_as(base)
     fitted = bench.finished(bench.fit(base.shape.with_effects(*base.shape.effects, effect), base))
     alone = judged(bench.data, fitted, bench.left_out(fitted))
     one = Considered(effect, alone, p_better(bench.data, last.without, alone), ())
-    now = _with(bench, one)
-    if _ends_in_a_change(bench, now):
-        return None
     others = tuple(other for other in last.considered if other.effect.name != effect.name)
     step = _instead(replace(last, considered=(one, *others)), one)
-    return followed(bench, (*before, step), now, every, progress)
+    return followed(bench, (*before, step), _with(bench, one), every, progress)
 
 
 def _instead(step: Step, one: Considered) -> Step:
@@ -239,10 +246,8 @@ def _with(bench: Bench, added: Considered) -> Judged:
     return judged(bench.data, again, bench.left_out(again))
 
 
-def _ends_in_a_change(bench: Bench, now: Judged) -> bool:
-    """Whether what was added last looks like another motor."""
+def _has_a_change(bench: Bench, now: Judged) -> bool:
+    """Whether anything that was found looks like another motor."""
     fitted = now.fitted
-    if not fitted.shape.effects:
-        return False
-    values = fitted.shape.values(fitted.vector)[-1]
-    return bool(looks_like_a_change(fitted.shape.effects[-1], values, bench.data))
+    each = zip(fitted.shape.effects, fitted.shape.values(fitted.vector), strict=True)
+    return any(looks_like_a_change(effect, values, bench.data) for effect, values in each)

@@ -33,7 +33,6 @@ bent by more than this (weighed squares)."""
 PRICE = 15.0
 """Decrease of the weighed squares that each number of an effect must bring for itself."""
 NOT_BY_THE_CHANNEL = "predicts no better than with its channel held at its median"
-TOO_LITTLE_BESIDE = f"lowers the error on left-out runs by less than {LEAST_GAIN_BESIDE:.0%} beside what was found"
 RELIEF, AS_BEFORE, EVEN = 80.0, 1.02, 0.5
 """The first effect may also count because the file need not be bent: by this decrease beside what its numbers cost,
 where the left-out error is no more than this factor above that without it, and the blocks do not speak against it."""
@@ -100,8 +99,28 @@ def leaves_some(bench: Bench, now: Judged) -> bool:
     return now.floors > ENOUGH or bench.bent(now.fitted) > BENT
 
 
-def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress: Callable[[str], None]) -> Step:
-    """Search one more effect beside those that were found, among candidates."""
+def one_more(
+    bench: Bench,
+    now: Judged,
+    every: Sequence[NetworkEffect],
+    progress: Callable[[str], None],
+    least_gain: float = LEAST_GAIN_BESIDE,
+) -> Step:
+    """Search one more effect beside those that were found.
+
+    Parameters
+    ----------
+    bench
+        The runs.
+    now
+        What was found.
+    every
+        The candidates.
+    progress
+        Called with what is being done.
+    least_gain
+        Share of the left-out error that it has to take away, where something was found.
+    """
     data, base = bench.data, now.fitted
     found = base.shape.effects
     taken = {(effect.name, effect.component) for effect in found}
@@ -124,7 +143,7 @@ def one_more(bench: Bench, now: Judged, every: Sequence[NetworkEffect], progress
     progress(f"{', '.join(fitted.shape.effects[-1].name for fitted in fits)}: left-out error")
     ended = [judged(data, *each) for each in bench.all_finished(fits)]
     bent = bench.bent(base)
-    considered = [_considered(data, now, one, len(promised), bent) for one in ended]
+    considered = [_considered(data, now, one, len(promised), bent, least_gain) for one in ended]
     considered = [_moved(bench, now, one) for one in considered]
     considered.sort(key=lambda one: one.judged.score_K)
     # What is much worse than something that cannot be the reason is not the reason either.
@@ -176,14 +195,14 @@ def _priced(fitted: Fitted) -> float:
     return fitted.fit.cost + PRICE * fitted.shape.effects[-1].freedom
 
 
-def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float) -> Considered:
+def _considered(data: Data, without: Judged, one: Judged, tried: int, bent: float, least_gain: float) -> Considered:
     p = p_better(data, without, one)
     reasons = doubts(one.fitted)
     relief = without.fitted.fit.cost - one.fitted.fit.cost
     asked = RELIEF + PRICE * one.fitted.shape.effects[-1].freedom
     if without.names:
-        if one.score_K > (1.0 - LEAST_GAIN_BESIDE) * without.score_K:
-            reasons.append(TOO_LITTLE_BESIDE)
+        if one.score_K > (1.0 - least_gain) * without.score_K:
+            reasons.append(f"lowers the error on left-out runs by less than {least_gain:.0%} beside what was found")
     elif (
         bent > BENT
         and not one.fitted.shape.effects[-1].bends_the_file
