@@ -180,8 +180,8 @@ def exchanged(bench: Bench, path: Path, every: Sequence[NetworkEffect], progress
         Called with what is being done.
     """
     found = path.added
-    if len(found) < 2 or _has_a_change(bench, path.now):
-        return path
+    if len(found) < 2 or looks_like_a_change(found[-1].effect, found[-1].values, bench.data):
+        return path  # a change that comes last is what is left beside the others, whatever these are
     steps, explained = list(path.steps), is_explained(bench.data, path.now)
     for place, old in enumerate(found[:-1]):
         bench.weigh_as(path.now.fitted)
