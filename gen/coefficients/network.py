@@ -269,14 +269,15 @@ class NetworkEntry(Part):
     def _check(self) -> NetworkEntry:
         names = self._check_nodes()
         columns = [channel.column for channel in self.channels]
-        seen: dict[tuple[frozenset[str], type[Law] | None], int] = {}
+        seen: dict[tuple[frozenset[str], type[Law] | None, frozenset[str]], int] = {}
         for i, path in enumerate(self.paths):
             for k, end in enumerate(path.between):
                 _one_of(end, [*names, AMBIENT], "a node's name", "paths", i, "between", k)
             law = path.law
-            first = seen.setdefault((frozenset(path.between), None if law is None else type(law)), i)
+            kind = (None if law is None else type(law), frozenset(factor.channel for factor in path.factors))
+            first = seen.setdefault((frozenset(path.between), *kind), i)
             if first != i:
-                of_a_kind = "" if law is None else " of a kind"
+                of_a_kind = "" if kind == (None, frozenset()) else " of a kind"
                 expected = f"expected one path{of_a_kind} between two"
                 raise fault(f"joins the same as paths[{first}]; {expected}", "paths", i, "between")
             self._check_factors(path.factors, columns, "paths", i)

@@ -246,7 +246,8 @@ class Path:
     def label(self) -> str:
         """For messages."""
         kind = "" if self.law is None else f", {type(self.law).__name__.lower()}"
-        return f"{self.first} - {self.second or AMBIENT}{kind}"
+        by = "".join(f", by {factor.channel}" for factor in self.factors)
+        return f"{self.first} - {self.second or AMBIENT}{kind}{by}"
 
 
 @dataclass(frozen=True)

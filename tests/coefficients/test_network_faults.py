@@ -63,7 +63,12 @@ FORM: list[tuple[Path_, object, str, str]] = [
     ((*PATHS, 0, "between", 1), "winding", "$.network.paths[0].between[1]", 'found "winding" twice'),
     ((*PATHS, 0, "between"), ["winding"], "$.network.paths[0].between", "found 1 entry, expected 2"),
     ((*PATHS, 1, "between"), ["casing", "winding"], "$.network.paths[1].between", "joins the same as paths[0]"),
-    ((*PATHS, 5, "between"), ["casing", "ambient"], "$.network.paths[5].between", "joins the same as paths[4]"),
+    (
+        (*PATHS, 5),
+        TREE["network"]["paths"][4],
+        "$.network.paths[5].between",
+        "joins the same as paths[4]; expected one path of a kind",
+    ),
     ((*PATHS, 0, G), 3, f"$.network.paths[0].{G}", "found 3, expected a curve with exactly one of the keys"),
     ((*PATHS, 0, G), {}, f"$.network.paths[0].{G}", "found no key, expected a curve with exactly one of"),
     ((*PATHS, 0, G), {"powr": {}}, f"$.network.paths[0].{G}", 'did you mean "power"?'),
@@ -172,6 +177,15 @@ MEANING: list[tuple[Path_, object, str, str]] = [
     ((*HEATS, 0, "power_W"), poly(400), "$.network", "runs away at PWM"),
     ((*HEATS, 1, "power_W"), poly(90_000), "$.network", "settles"),
 ]
+
+
+def test_a_channel_may_have_a_path_of_its_own_beside_another() -> None:
+    """A fan cools a surface of its own, whatever else leads from there to the ambient."""
+    fan = {"channel": "fan_rpm", "poly": [1e-3, 0]}
+    beside = {"between": ["ambient", "mount"], G: {"poly": [0.1]}, "factors": [fan]}
+    network = parse(json.dumps(changed(((*PATHS, 7), beside))).encode()).model.network
+    assert network is not None
+    assert [path.label for path in network.paths[5::2]] == ["mount - ambient", "mount - ambient, by fan_rpm"]
 
 
 @pytest.mark.parametrize(("where", "value", "place", "message"), FORM)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,22 @@ FASTEST_SHARE = 0.8
 
 Scale = Callable[[FloatArray], FloatArray]
 """A factor by |PWM| over full scale, any shape."""
+
+
+class PathAt(NamedTuple):
+    """Which path of a file: of those that conduct without a law between two ends, in the file's order.
+
+    Attributes
+    ----------
+    first, second
+        Its ends.
+    place
+        0 for the first of them.
+    """
+
+    first: str
+    second: str
+    place: int = 0
 
 
 class NetworkWriter:
@@ -73,19 +89,22 @@ class NetworkWriter:
     def _replace(self, **parts: object) -> None:
         self.entry = self.entry.model_copy(update=parts)
 
-    def _paths(self, between: tuple[str, str], change: Callable[[PathEntry], PathEntry]) -> None:
-        """Change the path that conducts between two ends, where there is one; those with a law stay as they are."""
-        ends = set(between)
-        paths = tuple(change(p) if set(p.between) == ends and p.law is None else p for p in self.entry.paths)
-        self._replace(paths=paths)
+    def _path(self, at: PathAt, change: Callable[[PathEntry], PathEntry]) -> None:
+        """Change one path; nothing where there is no such path."""
+        ends = {at.first, at.second}
+        there = [k for k, path in enumerate(self.entry.paths) if set(path.between) == ends and path.law is None]
+        if at.place < len(there):
+            paths = list(self.entry.paths)
+            paths[there[at.place]] = change(paths[there[at.place]])
+            self._replace(paths=tuple(paths))
 
     def _heats(self, node: str, change: Callable[[HeatEntry], HeatEntry]) -> None:
         """Change all heats of a node."""
         self._replace(heats=tuple(change(h) if h.node == node else h for h in self.entry.heats))
 
-    def scale_path(self, between: tuple[str, str], scale: Scale, at_rest: float) -> None:
+    def scale_path(self, at: PathAt, scale: Scale, at_rest: float) -> None:
         """Multiply a path's conductance, while the motor turns and at rest; nothing where there is no such path."""
-        self._paths(between, lambda path: self._scaled_path(path, scale, at_rest))
+        self._path(at, lambda path: self._scaled_path(path, scale, at_rest))
 
     def scale_heat(self, node: str, scale: Scale) -> None:
         """Multiply all heat of a node; at rest as at the slowest speed."""
@@ -112,10 +131,17 @@ class NetworkWriter:
         turning, still = values_of(curve, pwm, self.full_scale)
         return tabulated(pwm, turning * scale(pwm / self.full_scale), still * at_rest)
 
-    def factor_on_path(self, between: tuple[str, str], factor: FactorEntry) -> None:
+    def factor_on_path(self, at: PathAt, factor: FactorEntry) -> None:
         """Let a channel multiply a path's conductance."""
         self._channel(factor.channel)
-        self._paths(between, lambda path: path.model_copy(update={"factors": (*path.factors, factor)}))
+        self._path(at, lambda path: path.model_copy(update={"factors": (*path.factors, factor)}))
+
+    def path_by_channel(self, at: PathAt, conductance: float, factor: FactorEntry) -> None:
+        """Add a path beside one that is there, all of whose conductance a channel makes."""
+        self._channel(factor.channel)
+        curve = PolyCurve(poly=(six_digits(conductance),))
+        path = PathEntry(between=(at.first, at.second), conductance_W_per_K=curve, factors=(factor,))
+        self._replace(paths=(*self.entry.paths, path))
 
     def factor_on_heats(self, node: str, factor: FactorEntry) -> None:
         """Let a channel multiply all heat of a node."""
@@ -243,7 +269,7 @@ class NetworkWriter:
             path = PathEntry(between=(first, second), conductance_W_per_K=curve)
             self._replace(paths=(*self.entry.paths, path))
             return
-        self._paths((first, second), lambda path: self._with_more(path, conductance))
+        self._path(PathAt(first, second), lambda path: self._with_more(path, conductance))
 
     def lead_away(self, node: str, other: str, share: float) -> None:
         """Let a share of what a node's paths conduct to the ambient, laws apart, go to another node instead."""

@@ -14,7 +14,7 @@ from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.columns import Columns
 from gen.refinement.network.changing.draft import Draft, Slope
-from gen.refinement.network.changing.writer import NetworkWriter
+from gen.refinement.network.changing.writer import NetworkWriter, PathAt, ends
 
 WHOLE = "motor"
 """The component of an effect that acts on the whole motor."""
@@ -119,6 +119,11 @@ class Motor:
     whole_J_per_K: float
     usual_degC: tuple[float, ...]
     radiates: tuple[int, ...]
+
+    def path_at(self, q: int) -> PathAt:
+        """Say where the file has a path without a law."""
+        alike = [k for k in self.lawless if set(self.paths[k]) == set(self.paths[q])]
+        return PathAt(*ends(self.paths[q], self.names), alike.index(q))
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ class PathChange(NetworkEffect):
         self.other = _other(motor, paths)
         self.acts_by = {"other": self.other}
         self._paths, self._by_speed, self._columns = tuple(paths), by_speed, motor.columns
-        self._between = [ends(motor.paths[q], motor.names) for q in paths]
+        self._places = [motor.path_at(q) for q in paths]
         self._with_speed = [motor.with_speed[q] for q in paths]
         self.title = "cooling by speed that has changed" if by_speed else "a path that has changed"
         name = "factor_of_what_speed_adds" if by_speed else "factor"
@@ -78,11 +78,11 @@ class PathChange(NetworkEffect):
         return f"{where} {conducts}, as below dust or a cover, in thin air, or on another mount"
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        for between, share in zip(self._between, self._with_speed, strict=True):
+        for at, share in zip(self._places, self._with_speed, strict=True):
             if self._by_speed:
-                entry.scale_path(between, self._scale(share, values[0]), 1.0)
+                entry.scale_path(at, self._scale(share, values[0]), 1.0)
             else:
-                entry.scale_path(between, lambda w: np.full_like(w, values[0]), values[0])
+                entry.scale_path(at, lambda w: np.full_like(w, values[0]), values[0])
 
     @staticmethod
     def _scale(share: FloatArray, factor: float) -> Scale:

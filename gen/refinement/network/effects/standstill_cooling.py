@@ -9,7 +9,7 @@ import numpy as np
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
-from gen.refinement.network.changing.writer import NetworkWriter, ends
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
@@ -26,10 +26,10 @@ class StandstillCooling(NetworkEffect):
     def __init__(self, motor: Motor, paths: Sequence[int], component: str, *, alike: bool = True) -> None:
         self.component = component
         self._acts = tuple(paths)
-        self._between = [ends(motor.paths[q], motor.names) for q in paths]
+        self._places = [motor.path_at(q) for q in paths]
         self._columns = motor.columns
-        nodes = [between[0] for between in self._between]
-        names = ["factor_at_rest"] if alike else [f"factor_at_rest_of_{node}" for node in nodes]
+        each = [f"{at.first}_{at.place + 1}" if at.place else at.first for at in self._places]
+        names = ["factor_at_rest"] if alike else [f"factor_at_rest_of_{name}" for name in each]
         self._number = [0 if alike else k for k in range(len(self._acts))]
         self.numbers = tuple(Number(name, 1.0, 0.0, 0.7, LEAST_FACTOR, 20.0, log=True) for name in names)
 
@@ -41,8 +41,8 @@ class StandstillCooling(NetworkEffect):
             draft.conductance.scale(q, 1.0 + share * more, [slope])
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
-        for between, k in zip(self._between, self._number, strict=True):
-            entry.scale_path(between, np.ones_like, values[k])
+        for at, k in zip(self._places, self._number, strict=True):
+            entry.scale_path(at, np.ones_like, values[k])
 
 
 def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:

@@ -11,7 +11,7 @@ from gen.coefficients.network_curves import six_digits
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
-from gen.refinement.network.changing.writer import NetworkWriter, Scale, ends
+from gen.refinement.network.changing.writer import NetworkWriter, Scale
 from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
@@ -41,7 +41,7 @@ class SupplyVoltage(NetworkEffect):
         self._heated = list(zip(motor.heated, motor.heat_powers, strict=True))
         self._cooled = list(zip(motor.outer, motor.outer_powers, strict=True))
         self._names = motor.names
-        self._between = [ends(motor.paths[q], motor.names) for q in motor.outer]
+        self._places = [motor.path_at(q) for q in motor.outer]
         self.numbers = (
             Number("heat_over_that_by_pwm", 1.0, 1.0, 0.4, -3.0, 5.0),
             Number("cooling_over_that_by_pwm", 1.0, 1.0, 0.7, -3.0, 8.0),
@@ -83,11 +83,9 @@ class SupplyVoltage(NetworkEffect):
         for node, powers in self._heated:
             shares = [_share(k, heating, powers) for k in range(POWERS.size)]
             entry.split_heat(self._names[node], list(zip(shares, factors, strict=True)))
-        for between, (_, power) in zip(self._between, self._cooled, strict=True):
+        for at, (_, power) in zip(self._places, self._cooled, strict=True):
             c = cooling * power
-            entry.factor_on_path(
-                between, FactorEntry(channel=self.channel, poly=(six_digits(c / v), six_digits(1.0 - c)))
-            )
+            entry.factor_on_path(at, FactorEntry(channel=self.channel, poly=(six_digits(c / v), six_digits(1.0 - c))))
 
 
 def _share(k: int, heating: float, powers: FloatArray) -> Scale:

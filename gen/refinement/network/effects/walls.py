@@ -9,7 +9,7 @@ import numpy as np
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
-from gen.refinement.network.changing.writer import NetworkWriter, ends
+from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import OWN, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
@@ -36,7 +36,7 @@ class Walls(NetworkEffect):
 
     def __init__(self, motor: Motor) -> None:
         self._acts = tuple((q, motor.paths[q][0]) for q in motor.outer)
-        self._between = [ends(motor.paths[q], motor.names) for q in motor.outer]
+        self._from = tuple(dict.fromkeys(motor.names[motor.paths[q][0]] for q in motor.outer))
         self._columns = motor.columns
         self._to_air = STIFF * motor.typical_W_per_K
         capacity = self._to_air * 7200.0
@@ -71,7 +71,7 @@ class Walls(NetworkEffect):
         lag, ratio = values
         walls = entry.node(lag * self._to_air)
         entry.path(walls, "ambient", self._to_air)
-        for node, _ in self._between:
+        for node in self._from:
             entry.lead_away(node, walls, _share(ratio))
 
 

@@ -227,7 +227,8 @@ def _moved(bench: Bench, now: Judged, one: Considered) -> Considered:
     fitted = bench.fit(base.shape.with_effects(*base.shape.effects, held), base)
     still = judged(bench.data, fitted, bench.left_out(fitted))
     p = p_better(bench.data, still, one.judged)
-    if p <= LEVEL or _plain(still, one.judged, p):
+    more_than_a_little = one.judged.score_K < (1.0 - LEAST_GAIN) * still.score_K
+    if (p <= LEVEL and more_than_a_little) or _plain(still, one.judged, p):
         return one
     return replace(one, reasons=(NOT_BY_THE_CHANNEL,))
 
