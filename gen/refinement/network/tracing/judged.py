@@ -80,11 +80,14 @@ def p_better(data: Data, worse: Judged, better: Judged) -> float:
 
 
 def worst_sensor(data: Data, of: Judged) -> float:
-    """The largest left-out error of one sensor in its noise floors."""
+    """The largest left-out error of one sensor in its noise floors.
+
+    A sensor that is quieter than most counts as one of these: what they could not tell is not missing at it either.
+    """
     cover = np.where(np.isfinite(of.error), data.inputs.covered, 0.0)
     square = np.sum(cover * np.nan_to_num(of.error) ** 2, axis=0) / np.maximum(cover.sum(axis=0), 1e-9)
     noise = np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]], axis=0)
-    noise = np.maximum(noise, LEAST_NOISE_K**2)
+    noise = np.maximum(noise, max(float(np.median(noise)), LEAST_NOISE_K**2))
     return float(np.sqrt(np.max((square + noise) / noise)))
 
 
