@@ -15,7 +15,7 @@ from click.testing import CliRunner
 import gen
 from gen.cli import cli
 from tests.refinement.network.motor import NOISE_K, Tree, finned, read, run, tree, write
-from tests.refinement.network.test_refine_network import error_K, refined
+from tests.refinement.network.test_refine_network import error_K, files, refined
 
 
 def blocked() -> Tree:
@@ -82,6 +82,20 @@ def test_a_joint_that_came_loose_is_told_with_both_its_ends(share: float, tmp_pa
     assert effect["parameters"]["factor"] == pytest.approx(share, rel=0.1)
     assert f"winding to casing conducts {effect['parameters']['factor']:.2g} times what it did" in found.warnings[0]
     assert found.model.text == found.baseline.text
+
+
+def test_a_part_that_came_off_altogether_is_told_as_well(tmp_path: Path) -> None:
+    """How little is left no run tells: that is no reason to doubt it."""
+    motor = finned()
+    joint = next(path for path in motor["network"]["paths"] if set(path["between"]) == {"casing", "fins"})
+    joint["conductance_W_per_K"] = {"poly": [1e-4]}
+    one, two, three = files(motor, tmp_path)
+    (tmp_path / "finned.json").write_text(json.dumps(finned()), encoding="utf-8")
+    found = gen.refine(gen.load(tmp_path / "finned.json"), fit=[one, two], test=[three])
+    (effect,) = found.details()["effects"]
+    assert (effect["name"], {effect["component"], effect["parameters"]["other"]}) == ("path_change", {"casing", "fins"})
+    assert effect["parameters"]["factor"] < 0.05
+    assert "conducts next to nothing of what it did" in found.warnings[0]
 
 
 def test_heat_that_grows_by_more_than_metals_do_is_told_and_not_learnt(tmp_path: Path) -> None:

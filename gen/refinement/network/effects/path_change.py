@@ -14,7 +14,10 @@ from gen.refinement.network.changing.writer import NetworkWriter, Scale, ends
 from gen.refinement.network.effects.base import SPEEDS, WHOLE, Motor, NetworkEffect, Number, Place
 from gen.refinement.network.effects.offered import Offered
 
-LEAST_FACTOR, MOST_FACTOR = 0.01, 10.0
+LEAST_FACTOR, MOST_FACTOR = 1e-6, 10.0
+"""A way that was lost altogether is no doubtful one, however little of it is said to be left."""
+NONE_LEFT = 0.05
+"""Below this share runs hardly tell how little is left: that is called next to nothing."""
 LEAST_CHANGE, LEAST_OF_ALL = 0.25, 0.1
 """Of a conductance, and of all to the ambient together: what a file is off by, its own numbers are there for."""
 BY_SPEED = 0.2
@@ -64,7 +67,7 @@ class PathChange(NetworkEffect):
 
     def change(self, values: Sequence[float]) -> str:
         """Say what has changed, and what does that."""
-        conducts = f"conducts {values[0]:.2g} times what it did"
+        conducts = f"conducts {_times(values[0])} what it did"
         if self.other != AMBIENT:
             return (
                 f"{self.component} to {self.other} {conducts}, as a joint that came loose does (a screw, a mount, glue)"
@@ -73,7 +76,7 @@ class PathChange(NetworkEffect):
         if values[0] > 1.0:
             return f"{where} {conducts}, as a motor that is blown at, was cleaned, or is mounted otherwise does"
         if self._by_speed:
-            less = f"{values[0]:.2g} times what it was"
+            less = f"{_times(values[0])} what it was"
             return f"what speed adds to {where} is {less}, as with blocked vents or a lost fan"
         return f"{where} {conducts}, as below dust or a cover, in thin air, or on another mount"
 
@@ -87,6 +90,10 @@ class PathChange(NetworkEffect):
     @staticmethod
     def _scale(share: FloatArray, factor: float) -> Scale:
         return lambda w: np.asarray(1.0 + (factor - 1.0) * np.interp(w, SPEEDS, share))
+
+
+def _times(factor: float) -> str:
+    return "next to nothing of" if factor < NONE_LEFT else f"{factor:.2g} times"
 
 
 def _other(motor: Motor, paths: Sequence[int]) -> str:
