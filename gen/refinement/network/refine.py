@@ -146,15 +146,7 @@ def refine_network(
     made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
     anew = "" if made.refitted else offered_anew(traced)
     warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
-    warnings += [
-        f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
-        for one in traced.dropped
-    ]
-    warnings += [
-        f"{one.effect.component}: {one.effect.name} was found, and not kept: fitted with all else a number of it ends "
-        "at its physical limit"
-        for one in traced.unsound
-    ]
+    warnings += _not_kept(traced)
     effects = _entries(traced, sorted_out, room, start)
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, progress)
@@ -182,6 +174,19 @@ def refine_network(
     return NetworkRefinement(
         made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, sorted_out.missing
     )
+
+
+def _not_kept(traced: Traced) -> list[str]:
+    """Say what was found, and is no longer there."""
+    said = [
+        f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
+        for one in traced.dropped
+    ]
+    return said + [
+        f"{one.effect.component}: {one.effect.name} was found, and not kept: fitted with all else a number of it ends "
+        "at its physical limit"
+        for one in traced.unsound
+    ]
 
 
 def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: WarmStart) -> list[dict[str, Any]]:

@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 import gen
-from tests.refinement.network.motor import NOISE_K, Tree, tree
+from gen.refinement.network.effects import candidates
+from gen.refinement.network.fitting.anchored import Anchored
+from gen.refinement.network.fitting.data import make_data
+from tests.refinement.network.motor import NOISE_K, Tree, read, run, tree, wave
 from tests.refinement.network.test_refine_network import error_K, files, refined
 
 FAN = {"fan_mps": (0.0, 6.0)}
@@ -41,6 +44,21 @@ def test_a_flow_beside_the_motor_s_own_is_a_path_of_its_own(tmp_path: Path) -> N
     assert [path.label for path in network.paths[1:]] == ["casing - ambient", "casing - ambient, by fan_mps"]
     again = gen.refine(found.model, fit=[tmp_path / f"run_{k}.csv" for k in (1, 2)], test=[tmp_path / "run_3.csv"])
     assert (again.verdict, len(again.effects())) == ("nothing missing", 0)
+
+
+def test_what_a_channel_makes_is_offered_once_and_has_not_come_with_speed() -> None:
+    """A file holds one path of a channel between two ends; at rest in still air that one conducts nothing."""
+    told = {"fan_mps": wave(1, 0.0, 6.0)}
+    for motor, paths in ((tree(), 1), (blown(), 2)):
+        network = read(motor).model.network
+        assert network is not None
+        data = make_data(read(motor), [(f"run {k}", run(read(motor), k, told)) for k in (1, 2)])
+        made = Anchored.of(network, 255, data.columns).motor()
+        flows = [effect for effect in candidates(made, data.offered) if effect.name == "airflow"]
+        beside = [one for one in flows if one.numbers[0].name == "conductance_at_most_flow_W_per_K"]
+        assert len(beside) == (2 if paths == 1 else 0)  # with the flow, and with its root
+        assert [made.path_at(q).place for q in made.outer] == list(range(paths))
+        assert [bool(made.with_speed[q].max() > 0.0) for q in made.outer] == [True, False][:paths]
 
 
 def test_a_board_is_proven_for_such_a_file(tmp_path: Path) -> None:

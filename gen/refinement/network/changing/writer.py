@@ -137,9 +137,9 @@ class NetworkWriter:
         self._path(at, lambda path: path.model_copy(update={"factors": (*path.factors, factor)}))
 
     def path_by_channel(self, at: PathAt, conductance: float, factor: FactorEntry) -> None:
-        """Add a path beside one that is there, all of whose conductance a channel makes."""
+        """Add a path beside one that is there, whose conductance a channel makes; no more than the board can follow."""
         self._channel(factor.channel)
-        curve = PolyCurve(poly=(six_digits(conductance),))
+        curve = PolyCurve(poly=(six_digits(min(conductance, self._most(at.first))),))
         path = PathEntry(between=(at.first, at.second), conductance_W_per_K=curve, factors=(factor,))
         self._replace(paths=(*self.entry.paths, path))
 
@@ -262,14 +262,16 @@ class NetworkWriter:
         )
 
     def path(self, first: str, second: str, conductance: float) -> None:
-        """Add a path, or add to the one that is there; no more than the board can follow."""
+        """Add a path, or add to the one that is there and no channel multiplies; no more than the board can follow."""
         conductance = min(conductance, *(self._most(end) for end in (first, second) if end != AMBIENT))
-        if not any(set(path.between) == {first, second} and path.law is None for path in self.entry.paths):
-            curve = PolyCurve(poly=(six_digits(conductance),))
-            path = PathEntry(between=(first, second), conductance_W_per_K=curve)
-            self._replace(paths=(*self.entry.paths, path))
-            return
-        self._path(PathAt(first, second), lambda path: self._with_more(path, conductance))
+        for number, path in enumerate(self.entry.paths):
+            if set(path.between) == {first, second} and path.law is None and not path.factors:
+                more = self._with_more(path, conductance)
+                self._replace(paths=(*self.entry.paths[:number], more, *self.entry.paths[number + 1 :]))
+                return
+        curve = PolyCurve(poly=(six_digits(conductance),))
+        path = PathEntry(between=(first, second), conductance_W_per_K=curve)
+        self._replace(paths=(*self.entry.paths, path))
 
     def lead_away(self, node: str, other: str, share: float) -> None:
         """Let a share of what a node's paths conduct to the ambient, laws apart, go to another node instead."""

@@ -131,4 +131,5 @@ def offered(motor: Motor, data: Offered) -> Iterator[NetworkEffect]:
                 node = motor.names[motor.paths[q][0]]
                 if len(motor.outer) > 1:
                     yield Airflow(motor, channel, ends_at, power, [q], node)
-                yield Airflow(motor, channel, ends_at, power, [q], node, beside=True)
+                if not motor.has_beside(q, channel):
+                    yield Airflow(motor, channel, ends_at, power, [q], node, beside=True)

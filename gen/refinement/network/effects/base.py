@@ -90,6 +90,8 @@ class Motor:
         Of each path: what share of its conductance has come with speed, at each of `SPEEDS`.
     lawless
         Paths whose heat goes with the difference of their ends, without a law.
+    multiplied
+        Of each path: the channels that multiply it.
     columns
         What else drives the motor.
     typical_W, typical_W_per_K, typical_J_per_K
@@ -112,6 +114,7 @@ class Motor:
     outer_powers: tuple[float, ...]
     with_speed: tuple[FloatArray, ...]
     lawless: tuple[int, ...]
+    multiplied: tuple[frozenset[str], ...]
     columns: Columns
     typical_W: float
     typical_W_per_K: float
@@ -122,8 +125,14 @@ class Motor:
 
     def path_at(self, q: int) -> PathAt:
         """Say where the file has a path without a law."""
-        alike = [k for k in self.lawless if set(self.paths[k]) == set(self.paths[q])]
-        return PathAt(*ends(self.paths[q], self.names), alike.index(q))
+        return PathAt(*ends(self.paths[q], self.names), self._alike(q).index(q))
+
+    def has_beside(self, q: int, channel: str) -> bool:
+        """Say whether there is a path between the same ends that a channel alone multiplies: a file holds one."""
+        return any(self.multiplied[k] == {channel} for k in self._alike(q))
+
+    def _alike(self, q: int) -> list[int]:
+        return [k for k in self.lawless if set(self.paths[k]) == set(self.paths[q])]
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,10 +78,14 @@ class FileCurves:
         return self._at(own.curve, own.factors, self._levels(speed))[0]
 
     def with_speed(self, path: int, speed: FloatArray) -> FloatArray:
-        """Give what share of a path's conductance has come with speed, at speeds, channels neutral, shape (L,)."""
+        """Give what share of a path's conductance has come with speed, at speeds, channels neutral, shape (L,).
+
+        None of what conducts nothing then: all that it conducts a channel makes.
+        """
         own = self.network.paths[path]
         turning, still = self._at(own.curve, own.factors, self._levels(speed))
-        return np.asarray(np.clip(1.0 - still / np.maximum(turning, LEAST_W_PER_K), 0.0, 1.0))
+        share = np.clip(1.0 - still / np.maximum(turning, LEAST_W_PER_K), 0.0, 1.0)
+        return np.asarray(np.where(turning > LEAST_W_PER_K, share, 0.0))
 
     def heat_at(self, heat: int, speed: FloatArray) -> FloatArray:
         """Give one heat of the file likewise, shape (L,), W."""
@@ -131,6 +135,7 @@ def motor_of(
         outer_powers=tuple(float(np.mean(_powers(curves.conductance_at(q, SPEEDS)))) for q in outer),
         with_speed=tuple(curves.with_speed(q, SPEEDS) for q in range(len(network.paths))),
         lawless=tuple(q for q, path in enumerate(network.paths) if path.law is None),
+        multiplied=tuple(frozenset(factor.channel for factor in path.factors) for path in network.paths),
         columns=curves.columns,
         typical_W=max(total, 1e-6),
         typical_W_per_K=float(np.median(conductance[conductance > 0.0])),
