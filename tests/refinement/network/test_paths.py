@@ -121,6 +121,25 @@ def test_a_change_is_given_up_only_for_what_explains_the_error() -> None:
     assert from_another_beginning(later.bench, path, later.every, lambda _: None) is path
 
 
+@pytest.mark.parametrize(("unexplained_K", "given_up"), [(0.0, True), (0.5, False)])
+def test_a_change_that_was_found_first_is_given_up_only_for_what_explains_the_error(
+    unexplained_K: float, *, given_up: bool
+) -> None:
+    later = Later(blown(), unexplained_K)
+    first = changed(later, 20.0)
+    (wear,) = first.added
+    offset = later.considered("sensor_offset")
+    shape = later.base.shape.with_effects(wear.effect, offset.effect)
+    shared, own = np.split(later.base.vector, [later.base.shape.size])
+    vector = np.concatenate([shared, np.log([1.0, 1.3, 1.4, 1.4, 1.4, 1.3]), [2.0], own])
+    fitted = Fitted(later.bench.problem(shape), replace(later.base.fit, vector=vector))
+    now = replace(later.null, fitted=fitted, score_K=10.0 * later.null.noise_K)
+    second = replace(offset, judged=now)
+    path = Path((*first.steps, Step(first.now, (second,), second, ())), now)
+    other = exchanged(later.bench, path, later.every, lambda _: None)
+    assert names(other) == (BOTH if given_up else {"schedule_error", "sensor_offset"})
+
+
 def test_what_is_left_beside_a_change_that_explains_the_error_is_not_sought(later: Later) -> None:
     path = changed(later, 1.28)
     assert path.now.floors > ENOUGH_BESIDE

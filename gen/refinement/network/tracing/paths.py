@@ -207,6 +207,8 @@ def _predicts_better(bench: Bench, other: Path, path: Path) -> bool:
     changed = _has_a_change(bench, other.now)
     if changed and is_explained(bench.data, path.now):
         return False  # what effects explain is no other motor
+    if _has_a_change(bench, path.now) and not (changed or is_explained(bench.data, other.now)):
+        return False  # a change is given up for what explains the error: that is learnt
     plainly = changed or len(other.added) > len(path.added)
     return other.now.score_K < (1.0 - LEAST_GAIN_BESIDE if plainly else 1.0) * path.now.score_K
 
