@@ -13,6 +13,7 @@ from gen.identification.drive import agreed
 from gen.identification.logs.sources import MOST_ROWS, Source
 from gen.identification.network.data import NetworkData, make_network_data
 from gen.identification.network.fitting.bins import Binned
+from gen.identification.settings import Settings
 from gen.runs import Run
 from gen.runs.faults import called_unhealthy, declared_faults
 from gen.runs.thinning import thinned
@@ -119,7 +120,7 @@ def data_of(sources: Sequence[Source], ambient: float | None, sensed: Sequence[s
     if not sources:
         raise CheckFailed("no run can be used")
     # `gen identify` asks the runs whether those that begin at one level began cold; here nobody does.
-    data = make_network_data(sources, ambient).in_any_room()
+    data = make_network_data(sources, ambient, sample_time_s=Settings.sample_time_s).in_any_room()
     if not sensed or tuple(sensed) == data.names:
         return data
     missing = [name for name in sensed if name not in data.names]

@@ -129,7 +129,9 @@ def network_of(sources: Sequence[Source], options: Options, progress: Progress) 
     What goes with temperature and no board can be shown to follow is left out: a model is there to be built.
     """
     settings = options.settings
-    data = make_network_data(sources, options.ambient, settings.full_scale, options.heat, options.machine)
+    data = make_network_data(
+        sources, options.ambient, settings.full_scale, options.heat, options.machine, settings.sample_time_s
+    )
     result = identify_network(data, progress, options.max_hidden)
     while result.simpler and (refused := _refused(result, settings)):
         progress("last fit, with less that goes with temperature")

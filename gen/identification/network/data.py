@@ -17,6 +17,7 @@ from gen.identification.logs.sources import Source
 from gen.identification.network.driving import Driving, driving_of, values_of
 from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
 from gen.identification.network.fitting.driven import kind_of
+from gen.identification.network.fitting.followed import FASTEST
 from gen.runs import Run
 
 MARGIN, LEAST_RISE_K = 0.5, 40.0
@@ -51,6 +52,8 @@ class NetworkData:
         Columns that heat the motor beside its PWM.
     driven
         What heats go with: ``power``, ``current`` (its square), or nothing for a motor (see `fitting.driven`).
+    least_s
+        The shortest time constant that the board can follow, s (see `fitting.followed`); 0 for no limit.
     """
 
     sources: tuple[Source, ...]
@@ -64,6 +67,7 @@ class NetworkData:
     ambient_unsure_K: float = 0.0
     driving: tuple[Driving, ...] = ()
     driven: str = ""
+    least_s: float = 0.0
 
     @property
     def highest_degC(self) -> float:
@@ -108,6 +112,7 @@ def make_network_data(
     full_scale: int = 255,
     heat: Sequence[str] = (),
     machine: str = "",
+    sample_time_s: float = 0.0,
 ) -> NetworkData:
     """Condense runs.
 
@@ -123,6 +128,8 @@ def make_network_data(
         Columns that heat the motor, too, see :func:`driving_of`.
     machine
         What the input drives (see `gen.runs.drive`); nothing: what the runs say.
+    sample_time_s
+        The board's, which limits how fast the network may be; 0 for no board.
 
     Raises
     ------
@@ -170,6 +177,7 @@ def make_network_data(
         warnings=tuple(dict.fromkeys(warnings)),
         driving=driving,
         driven=driven,
+        least_s=FASTEST * sample_time_s,
     )
 
 

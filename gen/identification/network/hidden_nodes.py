@@ -106,7 +106,7 @@ def stiff(data: NetworkData, inputs: Inputs, scale: Scale, most_hidden: int, pro
     by_nodes, slack = folds_for_nodes(inputs), SLACK * noise_of(data.coarse)
     apart = APART if inputs.warm.any() else 0.0
     searches = [
-        Search.of(full(data.names, hidden, len(data.driving), STIFF, apart, data.driven), inputs, scale)
+        Search.of(full(data.names, hidden, len(data.driving), STIFF, apart, data.driven, data.least_s), inputs, scale)
         for hidden in range(max(0, min(most_hidden, MOST_NODES - len(data.names))) + 1)
     ]
     tried: list[Found] = []

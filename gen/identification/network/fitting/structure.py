@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gen.identification.network.fitting.at_start import begun, begun_from
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.identification.network.fitting.followed import too_fast
 from gen.identification.network.fitting.growing import grown
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.natural import Natural
@@ -57,6 +58,8 @@ class Structure:
         empty where nothing says so (see `past`).
     warmth
         Where every heat grows with its node's temperature: from which temperature on, degC; None where none does.
+    least_s
+        The shortest time constant that a board can follow, s (see `followed`); 0 for no limit.
     """
 
     sensed: tuple[str, ...]
@@ -71,6 +74,7 @@ class Structure:
     driven: str = ""
     warmth: float | None = None
     start: tuple[tuple[float, ...], ...] = ()
+    least_s: float = 0.0
 
     @property
     def nodes(self) -> int:
@@ -293,8 +297,10 @@ class Structure:
         """Nothing changes."""
 
     def implausible(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How far hidden nodes are off what they may be (see `plausible`)."""
-        return off(self, vector)
+        """How far hidden nodes are off what they may be (see `plausible`), and all beyond what can be followed."""
+        residual, slopes = off(self, vector)
+        fast, by_fast = too_fast(self, vector, self.least_s)
+        return np.concatenate([residual, fast]), np.vstack([slopes, by_fast])
 
 
 @lru_cache(maxsize=64)
@@ -314,11 +320,27 @@ def _slices(first: int, sizes: list[int]) -> tuple[slice, ...]:
 
 
 def full(
-    sensed: tuple[str, ...], hidden: int, columns: int = 0, bend: float = BEND, apart: float = 0.0, driven: str = ""
+    sensed: tuple[str, ...],
+    hidden: int,
+    columns: int = 0,
+    bend: float = BEND,
+    apart: float = 0.0,
+    driven: str = "",
+    least_s: float = 0.0,
 ) -> Structure:
     """Give the network in which every node has a path to every other and to the ambient, and a heat of each kind."""
     count = len(sensed) + hidden
     inner = [(i, j) for i in range(count) for j in range(i + 1, count)]
     paths = (*inner, *((i, -1) for i in range(count)))
     fed = tuple((column, node) for column in range(columns) for node in range(count))
-    return Structure(sensed, hidden, paths, tuple(range(count)), fed=fed, bend=bend, apart=apart, driven=driven)
+    return Structure(
+        sensed,
+        hidden,
+        paths,
+        tuple(range(count)),
+        fed=fed,
+        bend=bend,
+        apart=apart,
+        driven=driven,
+        least_s=least_s,
+    )

@@ -31,6 +31,7 @@ from gen.errors import CheckFailed, InputError
 from gen.identification.drive import input_entry
 from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.bins import FloatArray
+from gen.identification.network.fitting.followed import FASTEST
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
 from gen.identification.network.fitting.past import past_weights
@@ -45,8 +46,6 @@ from gen.identification.network.telling.uncertainty import Spread, spread_of
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.lowering.network.ranges import LAW_MARGIN_K
 
-FASTEST = 20.0
-"""No node follows its neighbours within fewer steps of the board: paths are limited, then its capacity is raised."""
 HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 MOST_FACTOR = 7.99
