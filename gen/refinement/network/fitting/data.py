@@ -24,8 +24,10 @@ from gen.replay import inputs_of as driven_by
 from gen.runs import Run
 from gen.side_by_side import side_by_side
 
-BIN_S, MOST_BINS = 120.0, 4000
-"""Longest bin, and how many all later runs together may have."""
+BIN_S, FINEST_S = 120.0, 6.0
+"""Longest bin of much data, and of little: a motor of minutes is logged for minutes."""
+USUAL_BINS, MOST_BINS = 720, 4000
+"""About as many bins of the longest kind all later runs together are cut into, and how many bins they may have."""
 MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
 is not that of |PWM|."""
@@ -88,7 +90,7 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     columns = Columns(_channels(runs, driven, own), excess.count(model.network))
     full_scale = coefficients.document.input.full_scale
     total = sum(float(run.time_s[-1] - run.time_s[0]) for _, run in runs)
-    longest = max(BIN_S, 1.5 * total / MOST_BINS)
+    longest = max(np.clip(total / USUAL_BINS, FINEST_S, BIN_S), 1.5 * total / MOST_BINS)
     neutral = model.network.neutral()
     along = [
         _Along(name, run, inputs, np.asarray(inputs.ambient, dtype=np.float64), inputs.channels, longest)

@@ -54,10 +54,19 @@ class Judged:
 def judged(data: Data, fitted: Fitted, error: FloatArray) -> Judged:
     """Give the score of left-out errors."""
     cover = np.where(np.isfinite(error), data.inputs.covered, 0.0)
-    square = float(np.sum(cover * np.nan_to_num(error) ** 2) / max(float(cover.sum()), 1e-9))
+    square = float(np.sum(cover * (np.nan_to_num(error) ** 2 - _left_in_means(data))) / max(float(cover.sum()), 1e-9))
     noise = float(np.sqrt(np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]])))
     noise = max(noise, LEAST_NOISE_K)
-    return Judged(fitted, error, float(np.sqrt(square + noise**2)), noise)
+    return Judged(fitted, error, float(np.sqrt(max(square, 0.0) + noise**2)), noise)
+
+
+def _left_in_means(data: Data) -> FloatArray:
+    """Mean square of what a sensor's noise leaves in the means of its readings over each bin, shape (N, S), K^2."""
+    inputs = data.inputs
+    noise, sample = (
+        np.array([getattr(run, key) for run in inputs.runs])[inputs.run] for key in ("noise_K", "sample_s")
+    )
+    return np.asarray(noise**2 * np.minimum(sample / np.maximum(inputs.covered, 1e-9), 1.0))
 
 
 def blocks(data: Data, error: FloatArray) -> FloatArray:
@@ -85,7 +94,8 @@ def worst_sensor(data: Data, of: Judged) -> float:
     A sensor that is quieter than most counts as one of these: what they could not tell is not missing at it either.
     """
     cover = np.where(np.isfinite(of.error), data.inputs.covered, 0.0)
-    square = np.sum(cover * np.nan_to_num(of.error) ** 2, axis=0) / np.maximum(cover.sum(axis=0), 1e-9)
+    square = np.sum(cover * (np.nan_to_num(of.error) ** 2 - _left_in_means(data)), axis=0)
+    square = np.maximum(square / np.maximum(cover.sum(axis=0), 1e-9), 0.0)
     noise = np.mean([run.noise_K**2 for run in data.inputs.runs[: data.later]], axis=0)
     noise = np.maximum(noise, max(float(np.median(noise)), LEAST_NOISE_K**2))
     return float(np.sqrt(np.max((square + noise) / noise)))
