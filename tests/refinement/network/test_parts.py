@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gen.refinement.network.effects.base import WHOLE
 from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.effects.schedule_error import ScheduleError
+from gen.refinement.network.effects.sensors import SensorGain
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data, make_data
 from gen.refinement.network.fitting.folds import described, folds_of
@@ -155,3 +158,30 @@ def test_a_part_that_is_heat_rather_than_mass_has_a_fault_s_pattern(
     values = (capacity, conductance, 0.001, power, exponent)
     said = looks_like_a_change(HiddenNode(motor, 0, outside=False), values, made)
     assert ("winding: its heat has grown" in said) == fault
+
+
+def test_a_part_that_takes_more_heat_off_than_it_brings_is_no_wear() -> None:
+    """A throttled pump's winding is colder: its part brings a watt, and takes ten off."""
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    part = HiddenNode(motor, 0, outside=True)
+    assert has_grown(part, (4.0, 0.1, 0.001, 1.0, 1.0), made)
+    rise = made.offered.hottest_degC["winding"] - float(np.median(made.inputs.ambient[made.is_later]))
+    cooling = 10.0 / rise
+    assert not has_grown(part, (4.0, 10.0, cooling, 1.0, 1.0), made)
+
+
+@pytest.mark.parametrize(("gain", "says"), [(0.18, "18% more of its rise"), (-0.1, "10% less of its rise")])
+def test_a_gain_of_the_only_sensor_is_the_motor_s_heat_as_well(gain: float, says: str) -> None:
+    made = data(2)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    effect = SensorGain(motor, 0, of_rise=True)
+    assert not looks_like_a_change(effect, (gain,), made), "two sensors tell it from heat"
+    alone = replace(made, offered=replace(made.offered, hottest_degC={"winding": 80.0}))
+    said = looks_like_a_change(effect, (gain,), alone)
+    assert says in said
+    assert "the motor has changed since the file was made, or the file was wrong there" in said

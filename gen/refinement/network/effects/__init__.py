@@ -20,6 +20,7 @@ from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.effects.offered import Offered
 from gen.refinement.network.effects.path_change import PathChange
 from gen.refinement.network.effects.schedule_error import ScheduleError
+from gen.refinement.network.effects.sensors import SensorGain
 
 LIBRARY = (
     load_heating,
@@ -43,4 +44,14 @@ def candidates(motor: Motor, data: Offered) -> list[NetworkEffect]:
     return [effect for module in LIBRARY for effect in module.offered(motor, data)]
 
 
-__all__ = ["LIBRARY", "HiddenNode", "Motor", "NetworkEffect", "Offered", "PathChange", "ScheduleError", "candidates"]
+__all__ = [
+    "LIBRARY",
+    "HiddenNode",
+    "Motor",
+    "NetworkEffect",
+    "Offered",
+    "PathChange",
+    "ScheduleError",
+    "SensorGain",
+    "candidates",
+]

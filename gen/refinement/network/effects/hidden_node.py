@@ -84,6 +84,11 @@ class HiddenNode(NetworkEffect):
         _, inner, outer, power, exponent = values
         return np.asarray(power * np.maximum(speed, SLOWEST) ** exponent * inner / (inner + outer))
 
+    def cools_W(self, rise_K: float, values: Sequence[float]) -> float:
+        """Give what its node loses through it to the ambient at a rise, W, beside the heat that it brings."""
+        _, inner, outer, _, _ = values
+        return inner * outer / (inner + outer) * rise_K
+
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         settles = self.follows_within_s(values)
         fastest = FIRMLY_S if self.mass(values) > HEAVY else FASTEST_S

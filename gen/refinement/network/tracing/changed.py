@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.identification.network.fitting.bins import FloatArray
-from gen.refinement.network.effects import HiddenNode, NetworkEffect, ScheduleError
+from gen.refinement.network.effects import HiddenNode, NetworkEffect, ScheduleError, SensorGain
 from gen.refinement.network.effects.base import GROWN, WHOLE
 from gen.refinement.network.fitting.data import Data
 
@@ -38,7 +38,12 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         The runs, for the speeds that they hold.
     """
     speed = _turned(data)
-    found = has_grown(effect, values, data) or _fallen(effect, values, speed) or effect.change(values)
+    found = (
+        has_grown(effect, values, data)
+        or _fallen(effect, values, speed)
+        or _of_the_only_sensor(effect, values, data)
+        or effect.change(values)
+    )
     if not found or not effect.of_the_motor:
         return found
     return (
@@ -59,7 +64,7 @@ def has_grown(effect: NetworkEffect, values: Sequence[float], data: Data) -> str
     effect, values, data
         As above.
     """
-    grown = _grown(effect, values, _turned(data))
+    grown = "" if _cools(effect, values, data) else _grown(effect, values, _turned(data))
     if not grown:
         return ""
     if effect.component == WHOLE:
@@ -82,6 +87,17 @@ def _fallen(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) -
     return (
         f"{WHOLE}: its heat is less by {1.0 - most:.0%} to {1.0 - factor.min():.0%} at every speed that was run, as of "
         "a motor with a lower supply, or with less load"
+    )
+
+
+def _of_the_only_sensor(effect: NetworkEffect, values: Sequence[float], data: Data) -> str:
+    """Say that a sensor's gain is the motor's heat as well, where no other sensor tells the two apart."""
+    if not isinstance(effect, SensorGain) or len(data.offered.hottest_degC) > 1:
+        return ""
+    return (
+        f"{effect.component}: it reads {abs(values[0]):.0%} {'more' if values[0] > 0.0 else 'less'} of its "
+        f"{effect.acts_by['of']}, and with this one sensor that is all of the motor's heat that has "
+        f"{'grown' if values[0] > 0.0 else 'become less'} as well"
     )
 
 
@@ -110,6 +126,16 @@ def _grown(effect: NetworkEffect, values: Sequence[float], speed: FloatArray) ->
     if _peaks(factor - 1.0) if everywhere else _falls(effect.added_W(speed, values)):
         return ""
     return f"by {least - 1.0:.0%} to {factor.max() - 1.0:.0%}"
+
+
+def _cools(effect: NetworkEffect, values: Sequence[float], data: Data) -> bool:
+    """Whether a part that was added takes more heat off its node, hot, than it brings at full speed."""
+    hottest = data.offered.hottest_degC.get(effect.component)
+    if not isinstance(effect, HiddenNode) or hottest is None:
+        return False
+    later = data.is_later
+    rise_K = hottest - float(np.median(data.inputs.ambient[later]))
+    return effect.cools_W(rise_K, values) > float(effect.heat_W(np.ones(1), values)[0])
 
 
 def _falls(added_W: FloatArray) -> bool:
