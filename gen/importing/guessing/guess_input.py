@@ -164,7 +164,8 @@ def _states(evidence: Evidence) -> list[str]:
 def _full_scale(entry: Facts) -> str:
     unit = entry.named[1]
     known = unit.quantity == SHARE if unit is not None else is_switch(entry) or PWM.search(worded(entry))
-    return "" if known else f" --full-scale {_round_up(entry):g}"
+    rest = " --rest 1000" if pulse(entry) else ""
+    return "" if known else f"{rest} --full-scale {_round_up(entry):g}"
 
 
 def _round_up(entry: Facts) -> float:

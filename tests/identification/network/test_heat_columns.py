@@ -193,3 +193,11 @@ def test_parts_take_no_heat_and_auto_takes_the_network(tmp_path: Path) -> None:
     assert channel == {"column": "heater_W", "range": [0.0, 50.0], "neutral": 0.0}
     page = (tmp_path / "m.html").read_text()
     assert "Heats by measured columns" in page
+
+
+def test_a_temperature_heats_nothing() -> None:
+    source = Source("pump.csv", logged(PROFILES[0], 0))
+    with pytest.raises(
+        InputError, match=r"found the temperature casing_degC, .* it is the ambient: name it ambient_degC"
+    ):
+        make_network_data([source], None, heat=["casing_degC"])
