@@ -288,11 +288,11 @@ def judged(
 def test_errors(
     model: Coefficients, files: Sequence[Path], test: Sequence[Path], found: Path
 ) -> list[dict[str, float]]:
-    """`rmse_K` and `max_abs_K` on the test logs, of baseline and refined file: of a network as `gen refine` says.
+    """`rmse_K` and `max_abs_K` on the test logs, of baseline and refined file: as `gen refine` says of a network.
 
     What the board cannot hold of transfer functions' effects has been left out of the refined file, and counts.
     """
-    if model.model.network is not None:
+    if any(load(held).model.network is not None for held in files):
         summary = json.loads(found.read_text(encoding="utf-8"))
         return [summary[when]["test"] for when in ("before", "after")]
     return [
@@ -359,6 +359,7 @@ def main() -> None:
     parser.add_argument("--baseline", type=Path, help="instead of identifying one: a coefficient file with rules")
     parser.add_argument("--scale", type=float, default=1.0, help="share of the eight logs, at least one of each kind")
     parser.add_argument("--hold", type=float, default=HOLD_S, help="how long the logs hold a speed, s")
+    parser.add_argument("--accept-change", action="store_true", help="refine with it")
     parser.add_argument("--speeds", type=int, nargs="+", default=SPEEDS, help="at which alarms are judged, percent")
     parser.add_argument("--judged", type=float, default=JUDGED_S, help="for how long, s")
     parser.add_argument("--seed", type=int, default=0, help="of the board's sensors")
@@ -385,6 +386,7 @@ def main() -> None:
             for key, group, hold in (*groups, ("healthy", HEALTHY if derived else (), HEALTHY_HOLD_S))
         )
         runs: list[str | Path] = ["--fit", *fit, "--test", *test, "--out", folder / "refined.json"]
+        runs += ["--accept-change"] if options.accept_change else []
         said = gen(
             "refine", baseline, *runs, "--report", folder / "report.html", "--json", folder / "refined-found.json"
         )

@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks import network_refinement
 from benchmarks.campaign import in_order, json_text
-from benchmarks.network_refinement.judge import Judged, judge
+from benchmarks.network_refinement.judge import Judged, Kind, judge
 from benchmarks.network_refinement.table import goals, rows, text
 from benchmarks.plants.planted.draw import LIBRARY, NotVisible
 from benchmarks.plants.planted.kinds import FAULTS, KINDS, OUTSIDE
@@ -47,6 +47,10 @@ def options_of(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--json", type=Path, help="write every trial and the tables here, after each trial anew")
     parser.add_argument("--go-on", action="store_true", help="take the trials that --json has as judged")
     parser.add_argument("--models", type=Path, help="keep identified networks here, and take those that are there")
+    parser.add_argument(
+        "--model", choices=("network", "parts"), default="network", help="what the motor is identified as"
+    )
+    parser.add_argument("--accept-change", action="store_true", help="refine with it")
     parser.add_argument("--case", type=Trial.parse, help="SEED:EFFECT:FIT: this one only")
     parser.add_argument("--keep", type=Path, help="with --case: write its files here and leave them")
     options = parser.parse_args(arguments)
@@ -105,7 +109,9 @@ def _pair(number: int) -> tuple[str, ...]:
     return tuple(str(name) for name in rng.choice(list(LIBRARY), 2, replace=False))
 
 
-def in_a_folder(trial: Trial, models: Path, keep: Path | None = None) -> Judged:
+def in_a_folder(
+    trial: Trial, models: Path, keep: Path | None = None, kind: Kind = "network", *, accept_change: bool = False
+) -> Judged:
     """Judge a trial in a folder of its own."""
     with tempfile.TemporaryDirectory(prefix="refinement-") as name:
         folder = keep or Path(name)
@@ -116,12 +122,15 @@ def in_a_folder(trial: Trial, models: Path, keep: Path | None = None) -> Judged:
             return Judged(str(trial), planted=list(trial.names), status="unseen", message=str(error))
         except Exception as error:  # the plant's own fault; the trial still counts
             return _raised(trial, error)
-        return judge(written, folder, models)
+        return judge(written, folder, models, kind, accept_change=accept_change)
 
 
-def judged(trials: Sequence[Trial], models: Path, jobs: int) -> Iterator[Judged]:
+def judged(
+    trials: Sequence[Trial], models: Path, jobs: int, kind: Kind = "network", *, accept_change: bool = False
+) -> Iterator[Judged]:
     """Judge trials, in their order; those whose process dies are told as raised."""
-    return in_order(trials, partial(in_a_folder, models=models), _raised, jobs)
+    one = partial(in_a_folder, models=models, kind=kind, accept_change=accept_change)
+    return in_order(trials, one, _raised, jobs)
 
 
 def _raised(trial: Trial, error: Exception) -> Judged:
@@ -157,7 +166,8 @@ def told(result: Judged) -> str:
     said = f"named {named}, {result.verdict}" if result.status == "ok" else f"{result.status}: {result.message[:80]}"
     return (
         f"{result.trial}{f' on {result.bench}' if not result.trial.startswith(f'{result.bench}:') else ''}: {said}; "
-        f"{result.before:.2f} -> {result.after:.2f} floors, {result.seconds:.1f} s"
+        f"{f'{result.became}, ' if result.became else ''}{result.before:.2f} -> {result.after:.2f} floors, "
+        f"{result.seconds:.1f} s"
     )
 
 
@@ -168,14 +178,15 @@ def main() -> None:
         models = options.models or Path(name)
         models.mkdir(parents=True, exist_ok=True)
         if options.keep:
-            result = in_a_folder(options.case, models, options.keep)
+            result = in_a_folder(options.case, models, options.keep, options.model, accept_change=options.accept_change)
             (options.keep / "judged.json").write_text(as_json([result]), encoding="utf-8")
             _leave_truth(options.case, options.keep)
             print(as_json([result]) + text([result]))
             return
         results = judged_before(options.json) if options.go_on and options.json.exists() else []
         done = {result.trial for result in results}
-        for result in judged([trial for trial in options.trials if str(trial) not in done], models, options.jobs):
+        left = [trial for trial in options.trials if str(trial) not in done]
+        for result in judged(left, models, options.jobs, options.model, accept_change=options.accept_change):
             results.append(result)
             print(f"{len(results)}/{len(options.trials)} {told(result)}", file=sys.stderr, flush=True)
             if options.json:

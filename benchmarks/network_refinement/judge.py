@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from benchmarks.plants.plant import Plant
 from benchmarks.plants.planted.trial import Setting, Trial, Written, write_identification
 from gen.errors import CheckFailed, InputError
 
+Kind = Literal["parts", "network"]
 FAULT = re.compile(r"\b(faults?|faulty|healthy|worn|wear|wears|motor has changed)\b", re.IGNORECASE)
 """What a warning has that tells that the motor may not be what it was."""
 
@@ -57,6 +58,8 @@ class Judged:
         How what is left goes over time, as refinement tells it; empty where it was not asked.
     seconds
         That refinement took.
+    became
+        The kind of file that it left: `parts` or `network`.
     """
 
     trial: str
@@ -76,6 +79,7 @@ class Judged:
     warnings: list[str] = field(default_factory=list)
     pattern: str = ""
     seconds: float = 0.0
+    became: str = ""
 
     @property
     def fit_runs(self) -> int:
@@ -130,8 +134,8 @@ class Judged:
         return self.after_K / self.floor_K
 
 
-def identified(made: Setting, models: Path) -> gen.Model:
-    """The network of a bench before anything was changed; one that the folder has is not identified again.
+def identified(made: Setting, models: Path, kind: Kind = "network") -> gen.Model:
+    """The model of a bench before anything was changed; one that the folder has is not identified again.
 
     Raises
     ------
@@ -139,24 +143,27 @@ def identified(made: Setting, models: Path) -> gen.Model:
         If it cannot be identified.
     """
     models.mkdir(parents=True, exist_ok=True)
-    kept = models / f"{made.bench.seed}-{'measured' if made.ambient_measured else 'held'}.json"
+    of = "" if kind == "network" else f"-{kind}"
+    kept = models / f"{made.bench.seed}-{'measured' if made.ambient_measured else 'held'}{of}.json"
     with kept.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # while one process identifies a motor, the other one waits for it
         if not kept.exists():
             with tempfile.TemporaryDirectory(prefix="plants-") as folder:
                 runs = write_identification(made, Path(folder))
-                gen.identify(list(runs), name="plant", model="network").model.save(kept)
+                gen.identify(list(runs), name="plant", model=kind).model.save(kept)
     return gen.load(kept)
 
 
-def judge(written: Written, folder: Path, models: Path) -> Judged:
+def judge(
+    written: Written, folder: Path, models: Path, kind: Kind = "network", *, accept_change: bool = False
+) -> Judged:
     """Refine with a trial's files and compare; the models are left in the folder."""
     made = written.setting
     result = Judged(
         str(written.trial), made.bench.seed, [one.name for one in made.planted], truth(made), floor_K=written.floor_K
     )
     try:
-        model = identified(made, models)
+        model = identified(made, models, kind)
     except Exception as error:  # of identification, which is judged elsewhere; the trial still counts
         result.status, result.message = "no model", f"{type(error).__name__}: {error}".replace(f"{models}/", "")
         return result
@@ -165,10 +172,11 @@ def judge(written: Written, folder: Path, models: Path) -> Judged:
     try:
         result.before_K, result.before_by_run = errors(model, written)
         started = time.perf_counter()
-        found = gen.refine(model, fit=list(written.fit), test=list(written.test))
+        found = gen.refine(model, fit=list(written.fit), test=list(written.test), accept_change=accept_change)
         result.seconds = time.perf_counter() - started
         _told(found, result, folder)
         found.model.save(folder / "refined.json")
+        result.became = "parts" if found.model.coefficients.model.network is None else "network"
         result.after_K, result.after_by_run = errors(found.model, written)
     except (InputError, CheckFailed) as error:
         result.status, result.message = "refused", str(error).replace(f"{folder}/", "").replace(f"{models}/", "")

@@ -3,7 +3,7 @@
 from gen.coefficients.document import Document
 from gen.coefficients.kinds import transfer_functions_only
 from gen.coefficients.reader import Coefficients, check_form, load, parse
-from gen.coefficients.writer import as_json, dump, with_effects, with_network, with_rules
+from gen.coefficients.writer import as_json, dump, in_place_of_parts, with_effects, with_network, with_rules
 
 __all__ = [
     "Coefficients",
@@ -11,6 +11,7 @@ __all__ = [
     "as_json",
     "check_form",
     "dump",
+    "in_place_of_parts",
     "load",
     "parse",
     "transfer_functions_only",

@@ -76,6 +76,37 @@ def with_network(text: str, network: NetworkEntry, said: str, ambient: str | Non
     return _text(tree)
 
 
+def in_place_of_parts(text: str, network: str) -> str:
+    """Give the text of a file with a network in the place of its transfer functions.
+
+    Name, input, ambient, domain, wiring, rules and all else that a bench has stay the file's; what belongs to a model
+    (its validity, the error up to which it is built, where it comes from) is the network's.
+
+    Parameters
+    ----------
+    text
+        The file with transfer functions.
+    network
+        The file of a network with the same parts.
+
+    Raises
+    ------
+    InputError
+        When either text is no coefficient file; what it says is not checked.
+    """
+    tree, other = _source(text), _source(network)
+    made: Tree = {}
+    for key, value in tree.items():
+        if key == "components":
+            made["network"] = other["network"]
+        elif key in ("validity", "accuracy", "provenance"):
+            made[key] = other[key]
+        elif key != "effects":
+            made[key] = value
+    made["ambient"] = {key: value for key, value in made["ambient"].items() if key != "at_once"}
+    return _text({**made, **{key: other[key] for key in ("accuracy", "provenance") if key not in made}})
+
+
 def with_rules(text: str, rules: Rules, alarms: Sequence[RuleDraft], error: Sequence[ErrorBand], source: str) -> str:
     """Give the text of a file with alarm rules, and the error bands that they count from, in the place of its own.
 

@@ -76,7 +76,7 @@ _FILE = click.Path(path_type=Path)
 @click.option(
     "--accept-change",
     is_flag=True,
-    help="Of a network: learn, too, what looks as if the motor had changed since, or what nothing explains.",
+    help="Learn, too, what looks as if the motor had changed since, or what nothing explains.",
 )
 def refine(
     coefficients: Path,
@@ -90,8 +90,9 @@ def refine(
     """Trace what a model misses in measured runs to a physical effect, and add it to the model.
 
     Verdicts: "explained" (what is left is near the sensors' noise), "partly explained", "nothing missing" and
-    "unexplained". Where the test runs are missed by more than before by over 5 %, OUT holds the model as it was, unless
-    with --accept-change.
+    "unexplained". Where a file's transfer functions do not explain the runs and one network for the motor does, OUT
+    holds that network. Where the test runs are missed by more than before by over 5 %, OUT holds the model as it was,
+    unless with --accept-change.
     """
     from gen.files import check_outputs, write_text
     from gen.interface import load
@@ -124,6 +125,8 @@ def refine(
 
 
 def _say(found: Refinement | NetworkRefinement) -> None:
+    if lead := getattr(found, "lead", ""):
+        click.echo(lead)
     click.echo(f"verdict: {found.verdict}")
     click.echo(f"  judged on what was left out in turn: {found.judged_on}")
     for effect in found.effects:

@@ -93,9 +93,13 @@ class Refinement(Reported):
         from gen.refinement.network.refine import NetworkRefinement
 
         if isinstance(self.found, NetworkRefinement):
+            from gen.refinement.instead.refine import RefinedAsNetwork
             from gen.refinement.network.page import network_refinement_page
 
-            return network_refinement_page(self.found, self.baseline.coefficients, self.model.coefficients)
+            began = self.baseline.coefficients
+            if isinstance(self.found, RefinedAsNetwork):
+                began = self.found.instead.coefficients
+            return network_refinement_page(self.found, began, self.model.coefficients)
         from gen.refinement.parts.page import page
 
         return page(self.found, self.baseline.coefficients)
@@ -121,14 +125,14 @@ def refine(
     test
         Runs that take no part; opened once, at the end.
     accept_change
-        Of a network: write into the model, too, what looks as if the motor had changed since.
+        Write into the model, too, what looks as if the motor had changed since.
     progress
         Called with what is being done.
 
     Raises
     ------
     InputError
-        If a run is none or is given twice, or no run can be fitted; or for `accept_change` without a network.
+        If a run is none or is given twice, or no run can be fitted.
 
     Examples
     --------
@@ -140,8 +144,6 @@ def refine(
     from gen.coefficients import parse
 
     network = model.coefficients.model.network is not None
-    if accept_change and not network:
-        raise InputError("a file with transfer functions has no changes to accept", place="accept_change")
     several("fit", fit)
     several("test", test)
     if {id(run) for run in fit} & {id(run) for run in test if not isinstance(run, (str, Path))}:
@@ -156,8 +158,8 @@ def refine(
                 model.coefficients, model.text, learnt, judged, progress, accept_change=accept_change
             )
         else:
-            from gen.refinement.parts.refine import refine as run_parts
+            from gen.refinement.instead.refine import refine_parts
 
-            found = run_parts(model.coefficients, model.text, learnt, judged, progress)
+            found = refine_parts(model.coefficients, model.text, learnt, judged, progress, accept_change=accept_change)
     refined = Model(parse(found.text.encode()), found.text) if found.text != model.text else model
     return Refinement(refined, model, found)

@@ -30,6 +30,13 @@ _NOT_WRITTEN = (
     "What is below names what is missing as nearly as the runs tell it. "
     "Nothing of it is in the file: the warnings say why."
 )
+_IN_IT = "What is below was then found in it."
+_ALONE = {
+    "explained": "What is left on what was left out is near the sensors' noise, with no effect in it.",
+    "partly explained": "Something is left that no effect of the library explains in it.",
+    "unexplained": "It does not hold for the test runs.",
+    "nothing missing": "",
+}
 _MOVED = 0.2
 """A conductance that changes by more than this share is drawn as changed."""
 
@@ -69,6 +76,8 @@ def network_refinement_page(found: NetworkRefinement, baseline: Coefficients, re
 def _sentence(found: NetworkRefinement) -> str:
     """The verdict in words: that something is named is no promise that the file holds it."""
     written = found.after is not found.before
+    if found.lead:
+        return f"{found.lead[0].upper()}{found.lead[1:]}. {_IN_IT if found.effects else _ALONE[found.verdict]}"
     return _SENTENCES[found.verdict] if written or not found.effects else _NOT_WRITTEN
 
 

@@ -338,12 +338,6 @@ def test_the_command_writes_file_summary_and_report(tmp_path: Path) -> None:
     assert "model before" in page
 
 
-def test_accepting_a_change_is_for_networks() -> None:
-    model = gen.load("examples/two_mass/coeffs.json")
-    with pytest.raises(gen.InputError, match="no changes to accept"):
-        gen.refine(model, fit=["a.csv"], test=["b.csv"], accept_change=True)
-
-
 def test_runs_that_begin_warm_inside_are_told_and_the_file_starts_so(tmp_path: Path) -> None:
     """Sensors sit outside; each run begins a minute after another one."""
     made = tree()
