@@ -127,7 +127,7 @@ def _drawings(found: NetworkRefinement, baseline: Coefficients, refined: Coeffic
     old, new = baseline.model.network, refined.model.network
     assert old is not None
     assert new is not None
-    if refined is baseline:
+    if refined.document.network == baseline.document.network:
         return [network_svg("network", "The network", *_drawn(old, old, set()))]
     named = {effect["component"] for effect in found.effects}
     before, after = _drawn(old, old, set()), _drawn(new, old, named)

@@ -25,9 +25,12 @@ from gen.runs import Run
 from gen.side_by_side import side_by_side
 
 BIN_S, FINEST_S = 120.0, 6.0
-"""Longest bin of much data, and of little: a motor of minutes is logged for minutes."""
+"""Longest bin where PWM is held for ten minutes at a time, and where it always moves: a mean over minutes is then no
+PWM that heats alike."""
+OF_A_HOLD, SHORTER = 0.2, 0.25
+"""Share of the usual hold of PWM that the longest bin may be, and of the time that holds are shorter than the usual."""
 USUAL_BINS, MOST_BINS = 720, 4000
-"""About as many bins of the longest kind all later runs together are cut into, and how many bins they may have."""
+"""About as many bins of the longest kind all later runs together are cut into then, and how many bins they may have."""
 MOVES, ITS_OWN = 0.01, 0.05
 """A channel explains nothing that moves by less than this share of its size, or of whose movements less than this share
 is not that of |PWM|."""
@@ -90,7 +93,8 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
     columns = Columns(_channels(runs, driven, own), excess.count(model.network))
     full_scale = coefficients.document.input.full_scale
     total = sum(float(run.time_s[-1] - run.time_s[0]) for _, run in runs)
-    longest = max(np.clip(total / USUAL_BINS, FINEST_S, BIN_S), 1.5 * total / MOST_BINS)
+    wanted = max(OF_A_HOLD * _usual_hold_s([run for _, run in runs]), total / USUAL_BINS)
+    longest = max(float(np.clip(wanted, FINEST_S, BIN_S)), 1.5 * total / MOST_BINS)
     neutral = model.network.neutral()
     along = [
         _Along(name, run, inputs, np.asarray(inputs.ambient, dtype=np.float64), inputs.channels, longest)
@@ -117,6 +121,20 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
         _offered(runs, driven, columns, names, full_scale),
         declared_density(coefficients),
     )
+
+
+def _usual_hold_s(runs: Sequence[Run]) -> float:
+    """For how long PWM is held while the motor turns, s: a quarter of that time lies in shorter holds, as ramps are."""
+    held: list[FloatArray] = []
+    for run in runs:
+        changes = np.flatnonzero(np.diff(run.pwm)) + 1
+        begins = np.concatenate([[0], changes])
+        lengths = np.diff(np.append(run.time_s[begins], run.time_s[-1]))
+        held.append(lengths[run.pwm[begins] != 0])
+    lengths = np.sort(np.concatenate(held))
+    if not lengths.sum():
+        return np.inf
+    return float(lengths[np.searchsorted(np.cumsum(lengths), SHORTER * lengths.sum())])
 
 
 @dataclass(frozen=True, eq=False)
