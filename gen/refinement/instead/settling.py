@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from gen.coefficients import Coefficients
 from gen.identification.network.telling.summary import INTERVAL, Summary
 
@@ -24,7 +26,7 @@ class Elsewhere:
     pwm
         The |PWM| at which the two are furthest apart, counts.
     network_K, file_K
-        Its reading over the ambient there once it has settled.
+        Its reading over the ambient there once it has settled; by the file, the nearest that its error allows.
     """
 
     part: str
@@ -37,8 +39,10 @@ class Elsewhere:
         """What is otherwise."""
         by = self.network_K - self.file_K
         way = "warmer" if by > 0.0 else "colder"
-        where = f"at PWM {self.pwm} ({self.network_K:.3g} K, not {self.file_K:.3g} K)"
-        return f"{self.part} settles {abs(by):.2g} K {way} {where}"
+        allowed = (
+            f"at PWM {self.pwm} than the file and its error allow ({self.network_K:.3g} K, not {self.file_K:.3g} K)"
+        )
+        return f"{self.part} settles {abs(by):.2g} K {way} {allowed}"
 
 
 def elsewhere(baseline: Coefficients, summary: Summary) -> list[Elsewhere]:
@@ -68,9 +72,10 @@ def elsewhere(baseline: Coefficients, summary: Summary) -> list[Elsewhere]:
             file = float(parts[name].steady_rise([pwm])[0])
             unsure = LEAST_K + INTERVAL * float(steady.deviation[k, s])
             low, high = _declared(baseline, name, pwm) or (-SHARE * abs(file), SHARE * abs(file))
-            beyond = max(own - (file - low), (file - high) - own) - unsure
+            allowed = float(np.clip(own, file - high, file - low))
+            beyond = abs(own - allowed) - unsure
             if beyond > 0.0:
-                told.append((beyond, Elsewhere(name, pwm, own, file)))
+                told.append((beyond, Elsewhere(name, pwm, own, allowed)))
         if told:
             made.append(max(told, key=lambda one: one[0])[1])
     return made

@@ -150,7 +150,7 @@ def refine_network(
     sorted_out = kept(traced, [name for name, _ in runs], fixed_ambient=fixed, accept_change=accept_change)
     start = start if len(sorted_out.effects) == len(traced.added) else start.as_the_file
     made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
-    anew = "" if made.refitted else offered_anew(traced)
+    anew = "" if made.refitted else offered_anew(traced, named=any(sorted_out.named))
     warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
     warnings += _not_kept(traced)
     effects = _entries(traced, sorted_out, room, start)

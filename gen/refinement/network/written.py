@@ -165,15 +165,22 @@ def _held(
     return held
 
 
-def offered_anew(traced: Traced) -> str:
+def offered_anew(traced: Traced, *, named: bool) -> str:
     """Say what the file's own numbers, fitted anew, would bring where nothing was named and they are not written.
+
+    Parameters
+    ----------
+    traced
+        All that was found.
+    named
+        Whether any of it is.
 
     Returns
     -------
     str
         A sentence; empty where they would bring nothing, or are written anyway.
     """
-    if traced.added or traced.null.floors <= NOTHING or not _file_is_worse(traced):
+    if named or traced.null.floors <= NOTHING or not _file_is_worse(traced):
         return ""
     return (
         "no effect explains the error, but the file's own numbers, fitted anew to the rest, predict what was left out "

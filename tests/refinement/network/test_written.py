@@ -76,12 +76,12 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     held = written(coefficients, raw, traced, [], None, as_said(traced))
     assert held.text == raw
     assert not held.refitted
-    said = offered_anew(traced)
+    said = offered_anew(traced, named=False)
     assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K" in said
     accepted = written(coefficients, raw, traced, [], None, as_said(traced), accept_change=True)
     assert accepted.refitted
     assert accepted.text != raw
-    assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K))) == ""
+    assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K)), named=False) == ""
 
 
 @pytest.fixture(scope="module")
