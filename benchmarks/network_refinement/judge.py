@@ -176,7 +176,7 @@ def judge(
         result.seconds = time.perf_counter() - started
         _told(found, result, folder)
         found.model.save(folder / "refined.json")
-        result.became = "parts" if found.model.coefficients.model.network is None else "network"
+        result.became = "network" if "instead_of_parts" in found.details() else kind
         result.after_K, result.after_by_run = errors(found.model, written)
     except (InputError, CheckFailed) as error:
         result.status, result.message = "refused", str(error).replace(f"{folder}/", "").replace(f"{models}/", "")

@@ -83,7 +83,7 @@ class Answers:
         assert path.exists()
         return Oracle(self.names, knows=False)
 
-    def refine(self, model: Oracle, *, fit: Sequence[Path], test: Sequence[Path]) -> Found:
+    def refine(self, model: Oracle, *, fit: Sequence[Path], test: Sequence[Path], accept_change: bool = False) -> Found:
         assert not model.knows
         assert (tuple(fit), tuple(test)) == (self.written.fit, self.written.test)
         self.calls.append("refine")

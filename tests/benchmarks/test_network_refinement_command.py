@@ -92,7 +92,8 @@ def test_the_command_judges_the_trials_and_writes_them_down(
 ) -> None:
     asked: list[str] = []
 
-    def answer(trial: Trial, models: Path) -> Judged:
+    def answer(trial: Trial, models: Path, *, kind: str, accept_change: bool) -> Judged:
+        assert (kind, accept_change) == ("network", False)
         assert models == tmp_path / "models"
         asked.append(str(trial))
         return made(str(trial), trial.names)
@@ -116,7 +117,7 @@ def test_the_command_judges_the_trials_and_writes_them_down(
 def test_an_interrupted_command_goes_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     asked: list[str] = []
 
-    def answer(trial: Trial, models: Path) -> Judged:
+    def answer(trial: Trial, models: Path, **_: object) -> Judged:
         asked.append(str(trial))
         return made(str(trial), trial.names)
 

@@ -109,14 +109,19 @@ def network_instead(
         model = network_of(sources, options, _told(progress, "as one network"))
         if set(model.coefficients.model.component_names) != set(baseline.model.component_names):
             return None
-        text = in_place_of_parts(raw, model.text)
-        coefficients = parse(text.encode())
+        text, coefficients = _in_the_file(raw, model)
     except (InputError, CheckFailed):
         return None
-    compared = _compared(refined, sources, options, progress)
+    compared = _compared(raw, refined, sources, options, progress)
     if compared is None:
         return None
     return Instead(text, coefficients, compared, *_said(baseline, model))
+
+
+def _in_the_file(raw: str, model: NetworkModel) -> tuple[str, Coefficients]:
+    """The file with the network: it counts from the file's ambient, whatever the runs measured."""
+    text = in_place_of_parts(raw, model.text)
+    return text, parse(text.encode())
 
 
 def _said(baseline: Coefficients, model: NetworkModel) -> tuple[tuple[Elsewhere, ...], tuple[str, ...]]:
@@ -133,14 +138,14 @@ def _options(baseline: Coefficients) -> Options:
 
 
 def _compared(
-    refined: Coefficients, sources: Sequence[Source], options: Options, progress: Progress
+    raw: str, refined: Coefficients, sources: Sequence[Source], options: Options, progress: Progress
 ) -> Comparison | None:
     """Both on what is left out of the network's fits; None where the network is not better on each of it."""
     folds = folds_of(sources)
     found: dict[Kind, list[Errors | None]] = {NETWORK: [], PARTS: []}
     compared = None
     for number, fold in enumerate(folds, start=1):
-        found[NETWORK].append(_left_out(fold, options, _told(progress, f"as one network, left out {number}")))
+        found[NETWORK].append(_left_out(raw, fold, options, _told(progress, f"as one network, left out {number}")))
         found[PARTS].append(errors(refined, fold))
         compared = comparison(found)
         if found[NETWORK][-1] is None or compared is None or min(compared.logs) <= 0.0:
@@ -152,9 +157,9 @@ def _told(progress: Progress, what: str) -> Progress:
     return lambda said: progress(f"{what}: {said}")
 
 
-def _left_out(fold: Fold, options: Options, progress: Progress) -> Errors | None:
+def _left_out(raw: str, fold: Fold, options: Options, progress: Progress) -> Errors | None:
     """What a network that was fitted to the fold's other runs errs by; None where too little is left to fit."""
     try:
-        return errors(network_of(fold.fit, options, progress).coefficients, fold)
+        return errors(_in_the_file(raw, network_of(fold.fit, options, progress))[1], fold)
     except (InputError, CheckFailed):
         return None
