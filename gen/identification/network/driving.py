@@ -110,7 +110,7 @@ def values_of(source: Source, column: str) -> FloatArray:
     InputError
         When the run does not have it.
     """
-    if column.removesuffix("_degC") in source.run.temps:
+    if column in {f"{part}_degC" for part in source.run.temps}:
         raise InputError(
             f"found the temperature {column}, which gives no heat itself; expected another column. If it is of what "
             "the motor stands in or is cooled by, it is the ambient: name it ambient_degC",

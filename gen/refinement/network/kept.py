@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gen.refinement.network.effects import NetworkEffect
+from gen.refinement.network.effects import NetworkEffect, PathChange
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.over_time.missing_heat import MissingHeat, missing_heat
 from gen.refinement.network.tracing.changed import has_grown, looks_like_a_change
@@ -110,3 +110,25 @@ def _may_be_a_mean(step: Step) -> bool:
     """Whether what was added cannot be told from other heat at each speed: the mean of what comes and goes is that."""
     assert step.added is not None
     return any(one.effect.bends_the_file for one in (step.added, *step.lookalikes))
+
+
+def could_be_a_change(steps: Sequence[Step], found: Kept) -> list[str]:
+    """Say of what is written that a motor which has changed would look the same.
+
+    Parameters
+    ----------
+    steps
+        The searches; the last one may have added nothing.
+    found
+        What became of what they added.
+    """
+    return [
+        f"{step.added.effect.component}: {step.added.effect.name} is written, and these runs could as well be of a "
+        f"motor that has changed ({PathChange.name}: blown at, covered, dirty, mounted otherwise): if it is so, leave "
+        "the file as it was"
+        for step, change in zip(steps, found.changes, strict=False)
+        if step.added is not None
+        and not change
+        and step.added.effect in found.effects
+        and any(isinstance(other.effect, PathChange) for other in step.lookalikes)
+    ]

@@ -15,10 +15,9 @@ from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.network.ambient import MovingAmbient, moving_ambient
-from gen.refinement.network.effects import PathChange
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
 from gen.refinement.network.fitting.folds import described
-from gen.refinement.network.kept import Kept, kept
+from gen.refinement.network.kept import Kept, could_be_a_change, kept
 from gen.refinement.network.over_time.missing_heat import MissingHeat
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
@@ -154,7 +153,6 @@ def refine_network(
     warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
     warnings += _not_kept(traced)
     effects = _entries(traced, sorted_out, room, start)
-    warnings += _could_be_a_change(traced, sorted_out)
     kept_paths = [Path(name) for name, _ in runs]
     before = _errors(coefficients, kept_paths, test_paths, progress)
     after, refined = before, coefficients
@@ -168,6 +166,7 @@ def refine_network(
         made, after, effects = Written(raw), before, _entries(traced, sorted_out, room, start)
         warnings.append(NOT_WITHOUT_THE_CHANGE)
     warnings += [] if torn or made.text == raw else start.warnings
+    warnings += could_be_a_change(traced.steps, sorted_out) if made.refitted and not torn else []
     if torn:
         made, after, effects = Written(raw), before, []
         warnings += torn
@@ -193,20 +192,6 @@ def _not_kept(traced: Traced) -> list[str]:
         f"{one.effect.component}: {one.effect.name} was found, and not kept: fitted with all else a number of it ends "
         "at its physical limit"
         for one in traced.unsound
-    ]
-
-
-def _could_be_a_change(traced: Traced, found: Kept) -> list[str]:
-    """Say of what is written that another motor would look the same."""
-    return [
-        f"{step.added.effect.component}: {step.added.effect.name} is written, and these runs could as well be of a "
-        f"motor that has changed ({PathChange.name}: blown at, covered, dirty, mounted otherwise): if it is so, leave "
-        "the file as it was"
-        for step, change in zip(traced.steps, found.changes, strict=False)
-        if step.added is not None
-        and not change
-        and step.added.effect in found.effects
-        and any(isinstance(other.effect, PathChange) for other in step.lookalikes)
     ]
 
 

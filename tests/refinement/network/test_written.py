@@ -9,11 +9,13 @@ import pytest
 
 from gen.coefficients import parse
 from gen.refinement.network.ambient import MovingAmbient
-from gen.refinement.network.effects import candidates
+from gen.refinement.network.effects import PathChange, candidates
+from gen.refinement.network.effects.radiation import Radiation
 from gen.refinement.network.effects.schedule_error import ScheduleError
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench, Fitted
+from gen.refinement.network.kept import Kept, could_be_a_change
 from gen.refinement.network.tracing.judged import Judged, judged
 from gen.refinement.network.tracing.search import Considered, Step
 from gen.refinement.network.tracing.trace import Traced
@@ -78,6 +80,7 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     assert not held.refitted
     said = offered_anew(traced, named=False)
     assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K" in said
+    assert offered_anew(traced, named=True) == ""
     accepted = written(coefficients, raw, traced, [], None, as_said(traced), accept_change=True)
     assert accepted.refitted
     assert accepted.text != raw
@@ -126,3 +129,19 @@ def test_a_channel_is_held_to_less_where_all_of_it_would_heat_the_motor_without_
     assert made.refused.startswith("supply_V: the file holds it to 20.6 .. 25.4, where the runs had 19 .. 27") == less
     assert ("no board could be built ($.network: runs away" in made.refused) == less
     assert bool(made.refused) == less
+
+
+def test_of_what_is_written_it_is_said_that_a_changed_motor_looks_the_same(supplied: tuple[Bench, Judged]) -> None:
+    _, null = supplied
+    motor = null.fitted.shape.motor()
+    radiation, path = Radiation(motor, 0), PathChange(motor, [0], "winding")
+    one, other = (Considered(effect, null, 0.001, ()) for effect in (radiation, path))
+    for alike, change, effects, said in (
+        ((other,), "", (radiation,), True),
+        ((), "", (radiation,), False),
+        ((other,), "", (), False),
+        ((other,), "has changed", (radiation,), False),
+    ):
+        found = Kept((change,), (True,), effects, None, alone=False)
+        told = could_be_a_change([Step(null, (one,), one, alike), Step(null, (), None, ())], found)
+        assert [line.startswith("winding: radiation is written") for line in told] == [True] * said

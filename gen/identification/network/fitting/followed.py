@@ -64,4 +64,4 @@ def _too_fast(structure: Shape, shared: bytes, least_s: float) -> tuple[FloatArr
     slopes[:, :nodes, :nodes] -= np.eye(nodes)
     slopes[:, nodes:, places] -= ends * inverse / between[:, None]
     beyond = logs > 0.0
-    return np.where(beyond, logs, 0.0)[beyond] / UNIT, slopes[beyond] / UNIT
+    return logs[beyond] / UNIT, slopes[beyond] / UNIT
