@@ -20,6 +20,8 @@ from io import StringIO
 from multiprocessing.connection import Connection
 from typing import TypeVar, cast
 
+from gen.interruption import interrupts_wait
+
 T = TypeVar("T")
 U = TypeVar("U")
 
@@ -78,15 +80,16 @@ def _shared_out(tasks: Sequence[Callable[[], T]]) -> dict[int, T]:
     with ExitStack() as after:
         after.callback(os.close, tickets)
         after.callback(receiver.close)
-        with sender, warnings.catch_warnings():
+        # What comes while a copy is made would be lost: Python only prints what is raised in that moment.
+        with sender, warnings.catch_warnings(), interrupts_wait():
             # Other threads here draw a line of progress, or are asleep in BLAS, which knows of copies.
             warnings.simplefilter("ignore", DeprecationWarning)
             try:
                 helper.start()
             except OSError:  # no room for one more
                 return {}
-        after.callback(helper.join)
-        after.callback(helper.terminate)
+            after.callback(helper.join)
+            after.callback(helper.kill)  # at its beginning it lets SIGTERM wait, too
         _shared = True
         try:
             return _done(tasks, tickets) | _heard(receiver)

@@ -117,6 +117,38 @@ def test_an_interrupt_ends_the_helper_at_once(help_or_none: bool, monkeypatch: p
     assert has_help()
 
 
+@pytest.mark.parametrize("help_or_none", ["with help"], indirect=True)
+def test_an_interrupt_in_the_moment_in_which_a_copy_is_made_is_not_lost(
+    help_or_none: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is raised in a hook of the fork itself Python prints and forgets: the command would go on."""
+    told: list[object] = []
+    monkeypatch.setattr("sys.unraisablehook", told.append)
+    monkeypatch.setattr(_Fork, "interrupts", True)
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        side_by_side([partial(_sleeps_in_the_copy, 60.0)] * 2)
+    assert time.monotonic() - begun < 10.0
+    assert told == []
+    assert not multiprocessing.active_children()
+    assert has_help()
+
+
+class _Fork:
+    """A hook stays for ever, so it asks whether it is wanted."""
+
+    interrupts = False
+
+    @classmethod
+    def made(cls) -> None:
+        if cls.interrupts:
+            cls.interrupts = False
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+os.register_at_fork(after_in_parent=_Fork.made)
+
+
 def _sleeps_in_the_copy(seconds: float) -> None:
     if os.getpid() != PARENT:
         time.sleep(seconds)
