@@ -25,7 +25,8 @@ import numpy as np
 import pandas as pd
 
 import gen
-from benchmarks.real_machines.logs import FloatArray, stalled_runs
+from benchmarks.real_machines.logs.case import FloatArray
+from benchmarks.real_machines.logs.motors import stalled_runs
 from gen.identification.logs.believed import believed
 from gen.runs import Run, write_run
 

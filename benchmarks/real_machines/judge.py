@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 import gen
-from benchmarks.real_machines.logs import Case, FloatArray
+from benchmarks.real_machines.logs.case import Case, FloatArray
 from benchmarks.real_machines.references import Fitted, fitted
 from gen.errors import CheckFailed, InputError
 from gen.runs import Run, write_run

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from benchmarks.real_machines.logs import FloatArray
+from benchmarks.real_machines.logs.case import FloatArray
 from gen.runs import Run
 
 MOST_ROWS = 400
