@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.network_parts import PWM
 from gen.replay.meaning import check_meaning
-from gen.runs import AMBIENT, Run, noted_ambient, read_run
+from gen.runs import AMBIENT, Run, read_run, with_noted_ambient
 from gen.runs.gaps import held_over_gaps
 from gen.runs.run import FloatArray
 
@@ -65,7 +65,7 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     names = coefficients.model.component_names
     run = read_run(path, names, ambient=ambient_column(coefficients), most_rows=most_rows)
     check_meaning(coefficients, run.comments, str(path))
-    return run if coefficients.model.ambient_fixed is not None else _with_noted_ambient(run, str(path))
+    return run if coefficients.model.ambient_fixed is not None else with_noted_ambient(run, str(path))
 
 
 def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int64]:
@@ -73,14 +73,6 @@ def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int6
     low, high = coefficients.document.domain.temperature_degC
     inside = np.flatnonzero((values >= low) & (values <= high))
     return inside if inside.size else np.flatnonzero(np.isfinite(values))
-
-
-def _with_noted_ambient(run: Run, file: str) -> Run:
-    """A run whose ambient stands in a comment, as `gen identify` takes it, where no column has it."""
-    if run.ambient is not None and not np.all(np.isnan(run.ambient)):
-        return run
-    noted = noted_ambient(run, file)
-    return run if noted is None else replace(run, ambient=np.full(run.time_s.size, noted))
 
 
 def inputs_of(coefficients: Coefficients, run: Run, file: str, *, as_declared: bool = True) -> Inputs:

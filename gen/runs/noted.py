@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite
+
+import numpy as np
 
 from gen.errors import InputError
 from gen.runs.run import AMBIENT, Run
@@ -36,3 +39,24 @@ def noted_ambient(run: Run, file: str) -> float | None:
     if not (isfinite(value) and _POSSIBLE[0] <= value <= _POSSIBLE[1]):
         raise InputError(f'found "{noted}", expected a temperature in degC', file=file, place=f"# {AMBIENT}")
     return value
+
+
+def with_noted_ambient(run: Run, file: str) -> Run:
+    """Give a run whose ambient stands in a comment the same one at every row, where no column has it.
+
+    Parameters
+    ----------
+    run
+        The run.
+    file
+        Its name for messages.
+
+    Raises
+    ------
+    InputError
+        When what is noted is no temperature.
+    """
+    if run.ambient is not None and not np.all(np.isnan(run.ambient)):
+        return run
+    noted = noted_ambient(run, file)
+    return run if noted is None else replace(run, ambient=np.full(run.time_s.size, noted))

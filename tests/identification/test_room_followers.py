@@ -56,3 +56,19 @@ def test_a_room_and_a_part_under_each_others_names_are_told() -> None:
 def test_both_kinds_of_model_warn_of_it() -> None:
     for made in (make_data([source("room")], None), make_network_data([source("room")], None)):
         assert sum(warning.startswith("stand: never rises") for warning in made.warnings) == 1
+
+
+def unsaid(moves: float) -> Source:
+    """A run of which nothing says the room, and a temperature more that drifts by so much."""
+    run = source("room", measured=False).run
+    course = 22.0 + moves * np.linspace(0.0, 1.0, run.time_s.size)
+    return Source("run.csv", replace(run, ambient=None, temps={**run.temps, "stand": course}))
+
+
+def test_where_nothing_says_the_room_the_one_that_moves_least_by_far_is_asked_for() -> None:
+    (said,) = followers([unsaid(4.0)], NAMES)
+    assert said.startswith("stand moves by 3.9 K where winding moves by ")
+    assert "if stand is the room's, name it ambient_degC" in said
+    assert followers([unsaid(30.0)], NAMES) == []
+    noted = replace(unsaid(4.0).run, comments={"ambient_degC": "22"})
+    assert followers([Source("run.csv", noted)], NAMES) == []

@@ -13,6 +13,7 @@ from gen.identification.choice.folds import Fold
 from gen.identification.logs.data import sound
 from gen.identification.parts.structure import FloatArray
 from gen.reference.simulate import simulate_run
+from gen.runs import with_noted_ambient
 
 BLOCKS = 8
 """Each left-out run or stretch is cut into so many of equal time, to see by how much an error varies."""
@@ -59,6 +60,8 @@ def errors(coefficients: Coefficients, fold: Fold) -> dict[Judged, FloatArray]:
 def _errors(coefficients: Coefficients, fold: Fold) -> Iterator[tuple[Judged, FloatArray]]:
     for source, out in fold.judged:
         run = sound(source, []).run
+        if coefficients.model.ambient_fixed is None:
+            run = with_noted_ambient(run, source.path)
         known = {name: run.temps[name] for name in coefficients.model.component_names if name in run.temps}
         shown = simulate_run(coefficients, replace(run, temps=known), "exact", "auto", source.path)
         block = _blocks(run.time_s, out)

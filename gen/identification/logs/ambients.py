@@ -30,6 +30,8 @@ WARMEST_ROOM = 40.0
 """degC: what begins warmer and cools from there did not begin in its room."""
 HOTTEST_ROOM = 70.0
 """degC: what begins warmer did not either, wherever it goes. (Who tries a motor in an oven gives --ambient.)"""
+OTHER_ROOM_K = 1.0
+"""Ambients that are noted for whole runs and differ by more than this are no one room: one drifts by as much itself."""
 ROOM, ROOM_UNSURE_K = 22.0, 8.0
 """A room of which no more is known than that people work in it, degC, and its standard deviation, K."""
 
@@ -46,11 +48,29 @@ class Ambients:
         Standard deviation of what all that nothing says are off by together, K; 0 where one of them is said.
     cold
         By run: whether nothing says its ambient, and others that begin at the same level tell that it began there.
+    own
+        Whether every run says its ambient, and they differ so much that no one stands for all.
     """
 
     levels: list[FloatArray | float]
     unsure_K: float
     cold: list[bool]
+    own: bool = False
+
+    def fixed(self, given: float | None) -> float | None:
+        """Give the ambient of a run that does not say it, degC: the median of those that were not measured.
+
+        None where every run has its own, and so has to be told it.
+
+        Parameters
+        ----------
+        given
+            As a user gave it, or None.
+        """
+        levels = [level for level in self.levels if isinstance(level, float)]
+        if self.own:
+            return None
+        return float(np.median(levels)) if levels else given
 
 
 def ambients_of(
@@ -107,7 +127,15 @@ def ambients_of(
         else:
             warnings.append(f"{source.path}: no ambient_degC, and a warm start; {usual:g} degC is taken, as {others}")
             found.append(usual)
-    return Ambients(found, COLD_K if any(cold) else unsure, cold)
+    own = all(level is not None for level in said) and any(isinstance(level, float) for level in said)
+    own = own and max(levels) - min(levels) > OTHER_ROOM_K
+    if own:
+        warnings.append(
+            f"the runs say ambients from {min(levels):.3g} to {max(levels):.3g} degC: the file counts from what is "
+            "measured (a column ambient_degC, or a line # ambient_degC in a run), for which a board needs a sensor; "
+            "with --ambient it counts from a fixed one"
+        )
+    return Ambients(found, COLD_K if any(cold) else unsure, cold, own)
 
 
 def _cold(starts: Sequence[Sequence[float]], usual: float) -> list[bool]:

@@ -43,7 +43,7 @@ class Data:
     records
         By component, one for each run that it was measured in.
     ambient_fixed
-        Ambient in degC where it was not measured, or None.
+        Ambient in degC where it was not measured; None where every run has it measured, or noted as one of its own.
     ambient_measured
         Whether every run has a measured ambient.
     warnings
@@ -95,12 +95,11 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
         if len(source.run.time_s) < FEWEST:
             count = len(source.run.time_s)
             raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
-    ambients = ambients_of(sources, ambient, warnings).levels
-    records = _records(sources, names, ambients, warnings)
+    ambients = ambients_of(sources, ambient, warnings)
+    records = _records(sources, names, ambients.levels, warnings)
     warnings += [*_fahrenheit(records), *followers(sources, list(records))]
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
-    fixed = next((a for a in ambients if isinstance(a, float)), ambient)
-    return Data(tuple(sources), records, fixed, measured, tuple(dict.fromkeys(warnings)))
+    return Data(tuple(sources), records, ambients.fixed(ambient), measured, tuple(dict.fromkeys(warnings)))
 
 
 def sound(source: Source, warnings: list[str]) -> Source:

@@ -9,11 +9,14 @@ import numpy as np
 from gen.identification.logs.records import resolution
 from gen.identification.logs.sources import Source
 from gen.identification.parts.structure import FloatArray
+from gen.runs import AMBIENT
 
 STILL_K, STEPS = 1.0, 4.0
 """What moves less than this, K, or than so many steps of its sensor, does not rise."""
 RISES_K = 10.0
 """Another part rises by this, K: the motor was warm enough for all of its parts to be seen."""
+LITTLE = 0.25
+"""Where nothing says the ambient: what moves by less than this share of what moves most may be the room."""
 _MOST = 98.0
 """Share of the readings that a course's movement is of, percent: single ones are noise."""
 
@@ -39,7 +42,24 @@ def followers(sources: Sequence[Source], names: Sequence[str]) -> list[str]:
                     f"{name}: never rises, or follows the room only: it moves by {moved:.1f} K where {other} moves by "
                     f"{risen:.0f} K; is its sensor on the motor, or is it the ambient's?"
                 )
-    return said
+    return said or _rooms(sources, names)
+
+
+def _rooms(sources: Sequence[Source], names: Sequence[str]) -> list[str]:
+    """A sentence for the part that may be the room, where nothing says the ambient: the one that moves least by far."""
+    if any(source.run.ambient is not None or AMBIENT in source.run.comments for source in sources):
+        return []
+    courses = {name: [s.run.temps[name] for s in sources if name in s.run.temps] for name in names}
+    moved = {name: _moved(np.concatenate(values)) for name, values in courses.items() if values}
+    if len(moved) < 2:
+        return []
+    least, most = min(moved, key=lambda name: moved[name]), max(moved, key=lambda name: moved[name])
+    if moved[most] < RISES_K or moved[least] > LITTLE * moved[most]:
+        return []
+    return [
+        f"{least} moves by {moved[least]:.1f} K where {most} moves by {moved[most]:.0f} K, and nothing says the "
+        f"ambient: if {least} is the room's, name it ambient_degC (in the run's header, or by gen import --column)"
+    ]
 
 
 def _still(source: Source, name: str) -> tuple[float, float, float, str] | None:

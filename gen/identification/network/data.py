@@ -15,7 +15,7 @@ from gen.identification.logs.records import resolution
 from gen.identification.logs.room_followers import followers
 from gen.identification.logs.sources import Source
 from gen.identification.network.driving import Driving, driving_of, values_of
-from gen.identification.network.fitting.bins import Binned, FloatArray, binned, longest_bin
+from gen.identification.network.fitting.bins import Binned, binned, longest_bin
 from gen.identification.network.fitting.driven import kind_of
 from gen.identification.network.fitting.followed import FASTEST
 from gen.runs import Run
@@ -39,7 +39,7 @@ class NetworkData:
     fine, coarse
         Bins of each run: for the last fit, and for the search.
     ambient_fixed
-        Ambient in degC where it was not measured, or None.
+        Ambient in degC where it was not measured; None where every run has it measured, or noted as one of its own.
     ambient_measured
         Whether every run has a measured ambient.
     full_scale
@@ -171,7 +171,7 @@ def make_network_data(
         names=tuple(names),
         fine=bins(longest),
         coarse=bins(COARSE * longest),
-        ambient_fixed=_usual(ambients.levels, ambient),
+        ambient_fixed=ambients.fixed(ambient),
         ambient_measured=not any(isinstance(a, float) for a in ambients.levels),
         full_scale=full_scale,
         warnings=tuple(dict.fromkeys(warnings)),
@@ -179,12 +179,6 @@ def make_network_data(
         driven=driven,
         least_s=FASTEST * sample_time_s,
     )
-
-
-def _usual(ambients: Sequence[FloatArray | float], given: float | None) -> float | None:
-    """The ambient of a run that does not say it: the median of those that were not measured."""
-    levels = [level for level in ambients if isinstance(level, float)]
-    return float(np.median(levels)) if levels else given
 
 
 def _check(sources: Sequence[Source], full_scale: int) -> None:

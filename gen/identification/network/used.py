@@ -22,7 +22,7 @@ def as_used(found: Found, ambient_fixed: float | None) -> Evaluated:
     found
         The network.
     ambient_fixed
-        The file's ambient where none was measured, degC.
+        The file's ambient where none was measured, degC; None where it is the one that each run says.
     """
     problem, vector = found.problem, found.vector.copy()
     inputs, structure = problem.inputs, problem.structure
@@ -32,8 +32,8 @@ def as_used(found: Found, ambient_fixed: float | None) -> Evaluated:
     own[:, :sensors] = np.where(np.isfinite(read), read - inputs.begin[:, :sensors], 0.0)
     own[:, sensors:] = 0.0
     for r, run in enumerate(inputs.runs):
-        if ambient_fixed is not None and not run.ambient_known:
-            own[r, nodes:] = ambient_fixed - run.ambient[0]
+        if not run.ambient_known:
+            own[r, nodes:] = 0.0 if ambient_fixed is None else ambient_fixed - run.ambient[0]
     return problem.evaluate(vector)
 
 

@@ -114,7 +114,7 @@ def _document(
         input=input_entry(data.runs, settings.full_scale, settings.nominal_speed_rpm),
         ambient=Ambient(
             fixed_degC=data.ambient_fixed,
-            channel="ambient_degC" if data.ambient_measured else None,
+            channel="ambient_degC" if data.ambient_measured or data.ambient_fixed is None else None,
         ),
         validity=Validity(pwm=measured, outside="extrapolate" if still else "hold"),
         domain=_domain(data, found, settings),

@@ -25,7 +25,7 @@ from gen.coefficients.network import (
     SensorEntry,
 )
 from gen.coefficients.network_curves import points_of, six_digits, tabulated
-from gen.coefficients.provenance import ErrorBand, Provenance
+from gen.coefficients.provenance import Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.drive import input_entry
@@ -39,10 +39,9 @@ from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
 from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.search import Found
-from gen.identification.network.telling.forecast import Band, bands, widened
-from gen.identification.network.telling.foresight import Foresight, foresight
+from gen.identification.network.telling.declared import error_bands
 from gen.identification.network.telling.stiffness import slowed
-from gen.identification.network.telling.uncertainty import Spread, spread_of
+from gen.identification.network.telling.uncertainty import spread_of
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.lowering.network.ranges import LAW_MARGIN_K
 
@@ -50,8 +49,6 @@ HELD_SHARE = 0.05
 """Of the whole time: a |PWM| that is held for longer is named."""
 MOST_FACTOR = 7.99
 """Of a start: a file may hold less than 8."""
-TWICE = 2.0
-"""Standard deviations by which a declared error is widened."""
 
 
 def network_text(result: NetworkFound, settings: Settings, note: str = "") -> tuple[str, Coefficients]:
@@ -133,7 +130,7 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
             f"weak physical priors; hidden nodes and paths by the error on runs left out{said_beside(note)}",
             data=tuple(Path(source.path).name for source in result.data.sources),
             fit=_figures(result),
-            error=tuple(_error_bands(result, spread)),
+            error=tuple(error_bands(result, spread, turned_range(result))),
         ),
     )
 
@@ -149,7 +146,7 @@ def _ambient(result: NetworkFound) -> Ambient:
     data = result.data
     return Ambient(
         fixed_degC=None if data.ambient_fixed is None else six_digits(data.ambient_fixed),
-        channel="ambient_degC" if data.ambient_measured else None,
+        channel="ambient_degC" if data.ambient_measured or data.ambient_fixed is None else None,
     )
 
 
@@ -276,43 +273,3 @@ def _figures(result: NetworkFound) -> dict[str, dict[str, float]]:
         left = float(np.sqrt(np.nanmean(result.judged.by_fold[:, s])))
         made[name] = {"rms_K": six_digits(own)} | ({"left_out_rms_K": six_digits(left)} if math.isfinite(left) else {})
     return made
-
-
-def _error_bands(result: NetworkFound, spread: Spread) -> list[ErrorBand]:
-    turning = turned_range(result)
-    ahead = foresight(result.found, spread, turning, result.data.full_scale)
-    own = widened(
-        bands(result.inputs, result.judged, result.data.full_scale),
-        result.found.problem.inputs,
-        result.residual,
-        result.data.full_scale,
-    )
-    made = []
-    for s, name in enumerate(result.data.names):
-        for band in own:
-            if math.isfinite(band.low[s]):
-                made.append(_error_band(name, s, band, ahead))
-        if not any(band.pwm == (0, 0) and math.isfinite(band.low[s]) for band in own):
-            unknown = TWICE * float(ahead.within(0, 0)[s])
-            made.append(
-                ErrorBand(
-                    component=name,
-                    pwm=(0, 0),
-                    model_minus_measured_K=(six_digits(-unknown), six_digits(unknown)),
-                    note="no run rests: what is not known of the cooling at rest",
-                )
-            )
-    return made
-
-
-def _error_band(name: str, s: int, band: Band, ahead: Foresight) -> ErrorBand:
-    unknown = TWICE * float(ahead.within(*band.pwm)[s])
-    low, high = min(float(band.low[s]), 0.0), max(float(band.high[s]), 0.0)
-    return ErrorBand(
-        component=name,
-        pwm=band.pwm,
-        model_minus_measured_K=(six_digits(low - unknown), six_digits(high + unknown)),
-        note=f"on data left out and in its own runs: {band.low[s]:+.2f}..{band.high[s]:+.2f} K in means over a 60th of "
-        f"a run, {band.rms[s]:.2f} K rms on the former; widened by {unknown:.2f} K for what the runs do not determine "
-        "on other profiles",
-    )

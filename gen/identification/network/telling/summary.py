@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from gen.identification.grades import GOOD_K, NOISES, Grade, Miss, told, worse_than
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound
-from gen.identification.network.left_out import each_alone
+from gen.identification.network.left_out import FEW, each_alone
 from gen.identification.network.telling.coarse import coarse
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.telling.held import only_speeds
@@ -124,19 +125,36 @@ class Summary:
         """Whether the model is good to be built, in one line; the rule is `grades`'."""
         bad, fair = (worse_than(grade, self.left_out) for grade in (Grade.FAIR, Grade.GOOD))
         if bad:
-            return f"Not good yet: on data that took no part in the fit it misses {told(bad)}."
+            return f"Not good yet: {self._on(bad)} it misses {told(bad)}."
         only, worst = self._only(), max(miss.error_K for miss in self.left_out)
         # What is left out there is a whole speed, which tells of what lies between speeds and not of these.
         if fair and each_alone(self.result.inputs) and not worse_than(Grade.GOOD, self.own):
             return f"Good at the measured speeds{only}. Speeds that were left out it misses: {told(fair)}."
         if fair:
-            return f"Fair{only}{'. On' if only else ': on'} data that took no part in the fit it misses {told(fair)}."
+            on = self._on(fair)
+            return f"Fair{only}{f'. {on[0].upper()}{on[1:]}' if only else f': {on}'} it misses {told(fair)}."
         if only:
-            return f"Good{only}. Data that took no part in the fit are predicted to {worst:.2g} K."
+            return f"Good{only}. {self._data[0].upper()}{self._data[1:]} are predicted to {worst:.2g} K."
         return (
-            "Good: runs that took no part in the fit are predicted, at rest and at the measured speeds, "
-            f"to {worst:.2g} K (root mean square of the worst part)."
+            f"Good: {'stretches' if self.few else 'runs'} that took no part in the fit are predicted, at rest and at "
+            f"the measured speeds, to {worst:.2g} K (root mean square of the worst part)."
         )
+
+    @property
+    def few(self) -> bool:
+        """Whether there are so few runs that what was left out are stretches of them."""
+        return len(self.result.inputs.runs) <= FEW
+
+    @property
+    def _data(self) -> str:
+        return f"{'stretches of the same runs' if self.few else 'data'} that took no part in the fit"
+
+    def _on(self, misses: Sequence[Miss]) -> str:
+        """Where parts are missed by that: on what was left out, or in the runs themselves, as the file follows them."""
+        left_out = dict(zip(self.result.data.names, self.left_out_K.tolist(), strict=True))
+        if all(miss.error_K <= left_out[miss.name] for miss in misses):
+            return f"on {self._data}"
+        return "in the runs themselves, with the starts and the room that the file has for them,"
 
     def _only(self) -> str:
         """What it is good for alone, or nothing."""
@@ -162,7 +180,7 @@ class Summary:
         result = self.result
         said = list(result.data.warnings)
         said += [
-            f"{miss.name}: the network misses data that took no part in the fit by {miss.sized}, root mean square"
+            f"{miss.name}: {self._on([miss])} the network misses it by {miss.sized}, root mean square"
             for miss in worse_than(Grade.GOOD, self.left_out)
         ]
         if worse_than(Grade.GOOD, self.left_out):
@@ -182,6 +200,11 @@ class Summary:
             )
         if not rest_was_measured(result):
             said.append(self._rest())
+        if len(result.inputs.runs) == 1:
+            said.append(
+                "all of it is one run: what was left out are stretches of it, which say nothing of another room, start "
+                "or day; a second run, of another profile, would"
+            )
         said += self._starts()
         said += self._room()
         for s, name in enumerate(result.data.names):
@@ -228,6 +251,11 @@ class Summary:
                 f"(±{INTERVAL * data.ambient_unsure_K:.1f} K), and that is taken; log it, or give --ambient"
             ]
         most = float(np.max(np.abs(own[unknown]))) if own.size and unknown else 0.0
+        if data.ambient_fixed is None:
+            return [
+                f"the room was noted, not measured, in {len(unknown)} run(s): what they show beside it (up to "
+                f"{most:.1f} K) is no part of the model; a room that moves moves the parts"
+            ]
         return [
             f"the room was not measured in {len(unknown)} run(s): {data.ambient_fixed:.1f} degC is taken, and what the "
             f"runs show beside it (up to {most:.1f} K) is no part of the model; a room that moves moves the parts"
