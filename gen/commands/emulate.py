@@ -303,6 +303,7 @@ def _settings(loaded: Coefficients, made: Made, options: dict[str, Any]) -> dict
         "coefficients_sha256": loaded.sha256,
         "plant": made.about,
         "motor_fault": made.fault,
+        "sensor_offsets_K": {name: round(offset, 3) for name, offset in made.offsets_K.items()},
         "settings": kept,
     }
 
@@ -329,6 +330,8 @@ def _tell(found: dict[str, Any]) -> None:
     from gen.reference.sensors import SensorCode
 
     click.echo(f"  plant: {found['plant']}")
+    offsets = ", ".join(f"{name} {offset:+.2f} K" for name, offset in found["sensor_offsets_K"].items())
+    click.echo(f"  sensors read beside what is there: {offsets} (--sensor-tolerance)")
     click.echo(
         f"  {found['seconds']:.0f} s in {found['wall_s']:.1f} s; {found['garbled_lines']} garbled lines, "
         f"{len(found['restarts_s'])} restarts"

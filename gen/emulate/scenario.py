@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from gen.emulate.options import parse_sensor_faults, parse_signal, parse_start, 
 from gen.emulate.plants.plant import Changeable, Ran
 from gen.emulate.plants.rig import TOLD, RigPlant, has_parts, kind_of
 from gen.errors import InputError
-from gen.rig import NODES, Fault, MotorConfig, sensors, warm_start
+from gen.rig import NODES, Fault, MotorConfig, SensorConfig, sensors, warm_start
 from gen.rig import Profile as RigProfile
 from gen.rig.chips import Converter, Ntc
 from gen.rig.signals import Signal, value
@@ -73,11 +73,14 @@ class Made:
         What it is.
     fault
         What is wrong with the motor and since when, as run files have it; ``none``.
+    offsets_K
+        What each of the board's sensors reads beside what is there, by channel, K.
     """
 
     plant: Changeable
     about: str
     fault: str
+    offsets_K: Mapping[str, float]
 
 
 def make_plant(scenario: Scenario, coefficients: Coefficients, file: Path) -> Made:
@@ -131,10 +134,11 @@ def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
     start = parse_start(scenario.start, NODES)
     if isinstance(start, Ran):
         start = warm_start(RigProfile((0.0,), (start.pwm,), start.seconds), motor, value(ambient, 0.0))
+    drawn = sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance)
     plant = RigPlant(
         wired,
         motor=motor,
-        sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance),
+        sensors=drawn,
         sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
         converters=converters(wiring),
         start_degC=start,
@@ -146,7 +150,7 @@ def _rig(scenario: Scenario, wiring: Wiring, wired: list[str]) -> Made:
         seed=scenario.seed,
     )
     said = "none" if fault is None else f"{fault.kind} from {fault.start_s:g} s"
-    return Made(plant, "rig, the simulated MY1016", said)
+    return Made(plant, "rig, the simulated MY1016", said, _offsets(drawn, wired))
 
 
 def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coefficients, motor: Coefficients) -> Made:
@@ -163,11 +167,12 @@ def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coeffici
     faults: tuple[ModelFault, ...] = ()
     if scenario.fault is not None:
         faults = parse_faults(scenario.fault, scenario.fault_start, scenario.fault_severity)
+    drawn = sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance, lag_s=0.0, names=wired)
     plant = ModelPlant(
         motor,
         wired,
         faults=faults,
-        sensors=sensors(scenario.seed, tolerance_K=scenario.sensor_tolerance, lag_s=0.0, names=wired),
+        sensors=drawn,
         sensor_faults=parse_sensor_faults(scenario.sensor_faults, wired),
         converters=converters(wiring),
         start=parse_start(scenario.start, part_names(motor.model)),
@@ -178,7 +183,11 @@ def _model(scenario: Scenario, wiring: Wiring, wired: list[str], board: Coeffici
         seed=scenario.seed,
     )
     said = ", ".join(f"{fault.name} from {fault.start_s:g} s" for fault in faults) or "none"
-    return Made(plant, _about(plant, motor), said)
+    return Made(plant, _about(plant, motor), said, _offsets(drawn, wired))
+
+
+def _offsets(drawn: Mapping[str, SensorConfig], wired: Sequence[str]) -> dict[str, float]:
+    return {name: drawn[name].offset_K for name in wired if name in drawn}
 
 
 def _about(plant: ModelPlant, motor: Coefficients) -> str:

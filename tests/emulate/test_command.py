@@ -62,12 +62,15 @@ def test_a_run_with_faults_gives_run_file_summary_and_picture(home: dict[str, st
     )
     assert (done.returncode, told(done.stderr)) == (0, [])
     assert "brush not believed (open, code 1)" in done.stdout
+    assert "sensors read beside what is there: " in done.stdout
     measured = read_run(run, ["brush", "bearing", "magnet", "casing"])
     assert 56 <= len(measured.time_s) <= 70
     assert {0, 102, 204} >= set(measured.pwm.tolist()) > {102}
     assert measured.comments["motor_fault"] == "bearing from 20 s"
     assert "encoder batched" in measured.comments["emulated"]
     summary = json.loads(found.read_text())
+    assert 0.0 < max(map(abs, summary["sensor_offsets_K"].values())) <= 1.1
+    assert set(summary["sensor_offsets_K"]) == {*measured.temps, "ambient"}
     (fault,) = [item for item in summary["disbelieved"] if item["code"] == 1]
     shift = summary["time_zero_s"]
     assert fault["from_s"] + shift == pytest.approx(35.0, abs=0.6)
