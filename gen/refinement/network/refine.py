@@ -13,6 +13,7 @@ import numpy as np
 from gen.coefficients import Coefficients, parse
 from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
+from gen.refinement.declared import Held, held
 from gen.refinement.errors import Errors, missed, said_of
 from gen.refinement.network.ambient import MovingAmbient, moving_ambient
 from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
@@ -28,6 +29,7 @@ from gen.refinement.network.written import Written, offered_anew, written
 from gen.refinement.run_errors import Curve, Score, compared
 from gen.refinement.verdict import Verdict
 from gen.refinement.worse import got_worse, lowered, spoiled, told_worse
+from gen.runs import Run
 from gen.side_by_side import side_by_side
 
 NOT_IN_ALL = (
@@ -175,11 +177,24 @@ def refine_network(
     holds = sorted_out.holds and not made.refused
     verdict = network_verdict(traced, start, anything=bool(effects or start.factors), holds=holds)
     verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
+    if verdict == "unexplained" and not effects and (said := _within_what_is_declared(coefficients, runs)):
+        warnings.append(said)
     told, ignored = settled(runs, traced)
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
     return NetworkRefinement(
         made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, sorted_out.missing
     )
+
+
+def _within_what_is_declared(coefficients: Coefficients, runs: Sequence[tuple[str, Run]]) -> str:
+    """That the file misses the runs by no more than it declares, or nothing."""
+    made = side_by_side([partial(_held, coefficients, run, name) for name, run in runs])
+    return sum(made, Held()).sentence
+
+
+def _held(model: Coefficients, run: Run, name: str) -> Held:
+    columns = simulate_run(model, run, "exact", "auto", name)
+    return held(model, run, {part: np.asarray(columns[f"{part}_degC"], dtype=np.float64) for part in run.temps})
 
 
 def _not_kept(traced: Traced) -> list[str]:

@@ -68,6 +68,22 @@ def test_a_first_effect_that_is_needed_stays(bench: Bench) -> None:
     assert (left, judged_left) == (steps, final)
 
 
+@pytest.mark.parametrize(("relief", "stays"), [(500.0, True), (20.0, False)])
+def test_a_first_effect_that_takes_little_stays_where_all_runs_plainly_speak_for_it(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, relief: float, stays: bool
+) -> None:
+    network = read(tree()).model.network
+    assert network is not None
+    base = bench.first(Anchored.of(network, 255, bench.data.columns))
+    steps, final = found(bench, base, ("airflow", "coupling"))
+    cost = final.fitted.fit.cost + relief
+    fitted = replace(final.fitted, fit=replace(final.fitted.fit, cost=cost))
+    without = judged(bench.data, fitted, 1.06 * final.error)
+    monkeypatch.setattr("gen.refinement.network.tracing.trace._without", lambda *_: without)
+    left, _ = needed(bench, steps, final, lambda _: None)
+    assert (left == steps) is stays
+
+
 @pytest.mark.parametrize(("more", "doubt"), [(20.0, True), (300.0, False)])
 def test_wear_in_doubt_is_wear_unless_all_runs_speak_against_it(bench: Bench, more: float, doubt: bool) -> None:
     network = read(tree()).model.network

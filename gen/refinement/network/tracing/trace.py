@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from gen.refinement.gains import LEVEL
 from gen.refinement.network.effects import NetworkEffect, candidates
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
 from gen.refinement.network.fitting.fit import Bench
-from gen.refinement.network.tracing.judged import Judged, doubts, doubts_of, is_explained, judged
+from gen.refinement.network.tracing.judged import Judged, doubts, doubts_of, is_explained, judged, p_better
 from gen.refinement.network.tracing.paths import exchanged, followed, from_another_beginning
-from gen.refinement.network.tracing.search import Considered, Step
+from gen.refinement.network.tracing.search import PRICE, RELIEF, Considered, Step
 
 NEEDED = 0.1
 """Share of the left-out error that an effect has to take away beside all others, to stay among them. Less than it takes
-to be added: that is a choice among many, and near the noise there is little left to take."""
+to be added: that is a choice among many, and near the noise there is little left to take. So what all runs speak for
+plainly stays, too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +115,20 @@ def needed(
         if step.added is None or len(effects) < 2 or step.added.effect is effects[-1]:
             continue
         without = _without(bench, final, step.added.effect, progress)
-        if final.score_K > (1.0 - NEEDED) * without.score_K:
+        if final.score_K > (1.0 - NEEDED) * without.score_K and not _spoken_for(
+            bench, final, without, step.added.effect
+        ):
             steps, final = [one for one in steps if one is not step], without
     return steps, final
+
+
+def _spoken_for(bench: Bench, final: Judged, without: Judged, effect: NetworkEffect) -> bool:
+    """Whether all runs speak for an effect that little of what is left out needs.
+
+    A hidden part has numbers enough to follow most of what a lag of one number does, beside a file bent for it.
+    """
+    relief = without.fitted.fit.cost - final.fitted.fit.cost
+    return relief > RELIEF + PRICE * effect.freedom and p_better(bench.data, without, final) <= LEVEL
 
 
 def sound(bench: Bench, steps: list[Step], final: Judged, progress: Callable[[str], None]) -> tuple[list[Step], Judged]:
