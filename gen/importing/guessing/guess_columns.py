@@ -10,6 +10,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.guessing import names
+from gen.importing.guessing.alike import follows, unit_alike
 from gen.importing.guessing.ambient import ambient_of
 from gen.importing.guessing.counters import counts_rows, never_falls, that_falls
 from gen.importing.guessing.doubles import told_twice
@@ -49,6 +50,9 @@ _LEAST_BOUND = 5
 _UNSAID = 0.5
 """How sure it is that a column named after a part is its temperature."""
 _SLOW = 0.7
+_LIKE_OTHERS = 0.75
+"""How sure it is that a column is a temperature that is named after a part of a machine, and moves as the others."""
+_KEPT = "kept as it is"
 _ALIKE_K = 8.0
 """How far apart sensors of one motor begin at most."""
 _SAYS_SO = re.compile(r"(?i)temp|th?ermo|°")
@@ -89,6 +93,7 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
     entries: list[Entry] = []
     guesses: list[Guess] = []
     left = [_sorted(facts, evidence, choices) for name, facts in evidence.facts.items() if name not in used]
+    left = _with_alike(left, evidence, choices)
     doubles = told_twice([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
     pairs = least_of_pairs([e.facts for e in left if e.quantity == TEMPERATURE], {*choices.columns, *choices.units})
     room, doubtful = _ambient([entry for entry in left if entry.facts.name not in {*pairs, *doubles}], choices)
@@ -104,6 +109,35 @@ def decide_columns(evidence: Evidence, choices: Choices, used: set[str]) -> tupl
         entries.append(entry)
         guesses.append(guess)
     return entries, guesses
+
+
+def _with_alike(found: list[_Sorted], evidence: Evidence, choices: Choices) -> list[_Sorted]:
+    """What is named after a part of a machine without a unit, and begins and moves as the temperatures do, is one."""
+    known = [
+        (entry.facts, entry.unit)
+        for entry in found
+        if entry.quantity == TEMPERATURE and entry.unit is not None and entry.confidence > _UNSAID
+    ]
+    made = []
+    for entry in found:
+        facts = entry.facts
+        unit = None
+        unsure = entry.why == _KEPT or (entry.quantity == TEMPERATURE and entry.confidence == _UNSAID)
+        if unsure and facts.name not in choices.columns and _of_a_machine(names.apart(facts.named[0])):
+            unit = unit_alike(facts, known)
+        if unit is not None and follows(facts, [other for other, _ in known]):
+            low, high = facts.span
+            said = f"a part by its name; {low:.4g}..{high:.4g}, and it begins and moves as the others do: {unit.name}"
+            entry = _unless_it_counts(_Sorted(facts, TEMPERATURE, unit, _LIKE_OTHERS, said), evidence)
+        made.append(entry)
+    return made
+
+
+def _of_a_machine(base: str) -> bool:
+    """Whether a name says nothing but which part of a machine, or where on it: `gearbox`, `battery 2`."""
+    rest = names.MACHINE_PARTS.sub(" ", names.MACHINE_PARTS.sub(" ", base))
+    words = [word for word in re.split(r"[\W_]+", rest) if word]
+    return rest != base and all(names.PARTS.search(word) or names.WHERE.search(word) for word in words)
 
 
 def _left_out(name: str, pairs: Mapping[str, str], doubles: Mapping[str, str]) -> Guess:
@@ -246,7 +280,7 @@ def _of_a_part(facts: Facts) -> _Sorted:
     low, high = facts.span
     begin = float(np.median(facts.starts)) if facts.starts.size else low
     if low < _COLD_C[0] or not _COLD_C[0] <= begin <= _WARM_C or len(np.unique(facts.values)) <= _FEW_VALUES:
-        return _Sorted(facts, "", None, 0.8, "kept as it is")
+        return _Sorted(facts, "", None, 0.8, _KEPT)
     named = "called as one" if names.SYMBOL.fullmatch(facts.named[0]) or facts.named[0] == "T" else "named after a part"
     said = f"{named}, {low:.4g}..{high:.4g}, and nothing says that it is a temperature"
     return _Sorted(facts, TEMPERATURE, unit_of("degC"), _UNSAID, said)
@@ -343,7 +377,7 @@ def _by_name(facts: Facts, base: str) -> _Sorted:
         reached = max(map(abs, facts.span))
         if _CANONICAL[quantity][1].fullmatch(base) and reached <= 100:
             return _Sorted(facts, quantity, unit_of(unit), 0.7, f"by its name; up to {reached:.4g}: {unit}")
-    return _Sorted(facts, "", None, 0.8, "kept as it is")
+    return _Sorted(facts, "", None, 0.8, _KEPT)
 
 
 def _ambient(found: list[_Sorted], choices: Choices) -> tuple[str, bool]:

@@ -49,3 +49,15 @@ OTHER = (
     r"humidit[ée]|feuchtigkeit|luftfeuchte|luftfeuchtigkeit|umidit[àa]|humedad|umidade|vochtigheid"
 )
 """Of a part, and no temperature."""
+MACHINE_PARTS = (
+    r"gear(?:box)?|getriebe|r[ée]ducteur|riduttore|reductor|redutor|versnellingsbak|esc|controller|regler|driver|"
+    r"inverter|umrichter|wechselrichter|onduleur|mosfets?|mos|fets?|igbts?|transistors?|(?:h[ _-]?)?bridge|"
+    r"heat[ _-]?sink|k(?:ü|ue)hlk(?:ö|oe)rper|dissipateur|dissipatore|disipador|dissipador|koellichaam|"
+    r"battery|batterie|akku|batteria|bater[íi]a|accu|cells?|pack|cab|cabin|cabine|pcb|board|platine|mcu|cpu|chip|"
+    r"spindle|spindel(?:kasten)?|broche|mandrino|husillo|flange|flansch|bride|flangia|brida|"
+    r"cover|deckel|lid|frame|rahmen|chassis|foot|fu(?:ß|ss)|base|plate|platte|block|wall|shell|body|"
+    r"end[ _-]?cap|end[ _-]?shield|lagerschild|commutator|kommutator|kollektor|collector|brake|bremse|clutch|kupplung|"
+    r"pulley|hub|nabe|engine|cylinder|zylinder|oil|öl|oel|water|wasser|transformer|trafo|seal|dichtung|hot[ _-]?end|"
+    r"nozzle|bed"
+)
+"""Of a machine, and of more than its temperature: a battery's volts, a controller's output."""

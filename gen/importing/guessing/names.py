@@ -162,6 +162,8 @@ PARTS = _words(
     r"b(?:ü|ue)rste|b(?:ü|ue)rsten|magnet|magnets|kohle|kohlen|shaft|welle|core|yoke|tooth|motor|surface|coolant|pm|endbell|"
     r"air.?gap|luftspalt|entrefer|traferro|entrehierro|entreferro|luchtspleet"
 )
+MACHINE_PARTS = _words(languages.MACHINE_PARTS)
+"""Parts whose readings are temperatures only where they begin and move as such."""
 _OF = r"(?:(?:motor|mot|dc|bus|bat|batt|battery|supply|shaft|versorgungs?)[ _-]?)?"
 _OF_BEHIND = r"(?:[ _-]?(?:(?:del?|du|d[oa]|di|van)[ _-])?(?:motor|mot|dc|bat|in|moteur|motore))?"
 
@@ -183,6 +185,12 @@ CHARGE = _alone(
 """What is told in C and F, too: coulomb and farad."""
 CHARGED = _words(r"(?:milli)?(?:amp|amp[eè]re|watt|kilowatt)s?[ _-]?hours?")
 """No hours."""
+NUMBERED = re.compile(r"(?:field|ch|channel|kanal|col|column|spalte|value|wert|var|ai|input)[ _-]?\d+", re.IGNORECASE)
+"""What a service or a logger calls its columns where nobody named them: `field2` is no magnet's."""
+PLACE = _words(
+    r"gps|gnss|lat|latitude|lon|lng|longitude|alt|altitude|elevation|h(?:ö|oe)he|heading|satellites?|rssi|snr"
+)
+"""Where a machine was, and how well it was heard."""
 LATE = _words(
     r"received|recv|rx|upload(?:ed)?|arriv(?:ed|al)|insert(?:ed)?|ingest(?:ed|ion)?|stored|server|processed|exported"
 )

@@ -9,6 +9,7 @@ from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.guessing.names import ENABLES
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
+from gen.importing.guessing.unsaid import unsaid
 from gen.importing.mapping import Mapping
 
 _PERCENT = 100.0
@@ -40,7 +41,7 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     drive = drive or _like_a_live_zero(evidence, mapping) or _like_another_rest(evidence, mapping)
     drive = drive or _like_switched(evidence, mapping)
     several = _like_several(evidence, mapping, choices)
-    return [f"{label}: {said}" for said in (time, drive, several) if said]
+    return [f"{label}: {said}" for said in (time, drive, several, unsaid(evidence, mapping, choices)) if said]
 
 
 def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
