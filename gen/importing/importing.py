@@ -10,9 +10,9 @@ from gen.errors import InputError
 from gen.files import check_writable, scratch, write_text
 from gen.importing.convert import Splitting, convert, with_comments
 from gen.importing.converted import Converted
-from gen.importing.guessing.decide import NO_PART, Decided, decide, doubts
+from gen.importing.guessing.decide import NO_PART, Decided, RowForEach, decide, doubts
 from gen.importing.guessing.guess_input import NO_INPUT
-from gen.importing.guessing.guesses import Choices
+from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.guessing.own_times import joined
 from gen.importing.guessing.series import spread_out
 from gen.importing.guessing.sheets import choice_of_sheets, logs_among
@@ -143,6 +143,10 @@ def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, 
     """What one header's tables are; where that fails, with what other tables have to do with it."""
     try:
         return decide(group, choices, known)
+    except RowForEach as error:
+        raise InputError(
+            f"{error.message}{_asked_then(group, choices, error.series)}", file=error.file, place=error.place
+        ) from None
     except InputError as error:
         said = error.message
         if any(table.names != group[0].names and table.file != group[0].file for table in tables) and said.startswith(
@@ -157,6 +161,20 @@ def _decided(group: Sequence[Table], tables: Sequence[Table], choices: Choices, 
             said += f"; the decimal mark is doubtful ({unsure}): --decimal , or --decimal ."
         said += choice_of_sheets(tables, group[0].file)
         raise InputError(said, file=error.file, place=error.place) from None
+
+
+def _asked_then(group: Sequence[Table], choices: Choices, series: str) -> str:
+    """What would be asked for next, were a column made of each name: all that has to be said stands in one line."""
+    told = replace(choices, series=series)
+    try:
+        spread = switched(spread_out(group[0], told), {choices.runs}, choices.drive)
+        fault = doubts(decide([spread], told, None))
+    except InputError as error:
+        fault = error
+    if fault is None:
+        return ""
+    place = f"{fault.place}: " if fault.place and not fault.place.startswith("line") else ""
+    return f". With --series {quoted(series)}: {place}{fault.message}"
 
 
 def _with_options(known: Mapping, choices: Choices) -> Mapping:

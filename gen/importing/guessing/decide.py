@@ -36,8 +36,28 @@ _MOST_NAMES = 4
 _LEAST_VALUES = 3
 """Different ones, of a column that moves."""
 _MOST_SHOWN = 3
+_OF_OPTIONS = {"--input", "--rest", "--full-scale", "--unit", "--column"}
+"""Places of what the user said wrongly: nothing else is asked for beside that."""
 NO_PART = "no column is a part's temperature"
 """How the refusal of a log without one begins."""
+
+
+class RowForEach(InputError):
+    """A table has a row for each reading of any sensor.
+
+    Parameters
+    ----------
+    message
+        What was found and what was expected.
+    series
+        What `--series` has to be told, or nothing.
+    file, place
+        As of any bad input.
+    """
+
+    def __init__(self, message: str, series: str, *, file: str | None = None, place: str | None = None) -> None:
+        self.series = series
+        super().__init__(message, file=file, place=place)
 
 
 @dataclass(frozen=True)
@@ -87,6 +107,8 @@ def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> 
         _check_choices(evidence, choices)
         decided = _by_mapping(evidence, known) if known is not None else _by_guess(evidence, choices)
         _check_entries(decided.mapping, evidence)
+    except RowForEach as error:
+        raise RowForEach(error.message, error.series, file=tables[0].label, place=error.place) from None
     except InputError as error:
         raise InputError(error.message, file=error.file or tables[0].label, place=error.place) from None
     return decided
@@ -94,11 +116,16 @@ def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> 
 
 def doubts(decided: Decided) -> InputError | None:
     """What may not be taken without being asked, in one line; None where all is sure enough."""
-    open_ones = [guess for guess in decided.guesses if guess.doubtful]
-    if not open_ones:
-        return None
-    parts = [f"{guess.subject}: {guess.taken}? {guess.why}; settle it by {guess.settle}" for guess in open_ones]
-    return InputError(f"doubtful: {listed(parts, ' | ')}", file=decided.evidence.tables[0].label)
+    asked = _asked(decided.guesses)
+    return InputError(f"doubtful: {asked}", file=decided.evidence.tables[0].label) if asked else None
+
+
+def _asked(guesses: Sequence[Guess]) -> str:
+    """What is doubtful, each with what settles it; empty where nothing is."""
+    open_ones = [guess for guess in guesses if guess.doubtful]
+    return listed(
+        (f"{guess.subject}: {guess.taken}? {guess.why}; settle it by {guess.settle}" for guess in open_ones), " | "
+    )
 
 
 def _check_choices(evidence: Evidence, choices: Choices) -> None:
@@ -128,7 +155,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     try:
         drive, said = decide_input(evidence, choices, reserved | set(time.columns))
     except InputError as error:
-        raise _with_part(error, evidence, choices, reserved | set(time.columns)) from None
+        raise _with_more(error, evidence, choices, reserved | set(time.columns), guesses) from None
     guesses += said
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
@@ -157,13 +184,17 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     return Decided(everything, mapping, guesses, suspicious(evidence, mapping, choices), odd_of(evidence, mapping))
 
 
-def _with_part(error: InputError, evidence: Evidence, choices: Choices, used: set[str]) -> InputError:
-    """Where there is no input: ask for a temperature at once, if there is none either."""
-    if not error.message.startswith(NO_INPUT):
+def _with_more(
+    error: InputError, evidence: Evidence, choices: Choices, used: set[str], before: Sequence[Guess]
+) -> InputError:
+    """Where the input has to be said: ask for all else that has to be at once, a temperature and what is doubtful."""
+    if error.place in _OF_OPTIONS:
         return error
-    entries, _ = decide_columns(evidence, _by_old_names(evidence, choices), used)
-    missing = _no_part(entries, evidence)
-    return InputError(f"{error.message}; and {missing}", place=error.place) if missing else error
+    entries, said = decide_columns(evidence, _by_old_names(evidence, choices), {*used, choices.drive} - {""})
+    missing = _no_part(entries, evidence) if error.message.startswith(NO_INPUT) else ""
+    doubtful = _asked([*before, *said])
+    more = "".join(f"; and {text}" for text in (missing, doubtful and f"doubtful: {doubtful}") if text)
+    return InputError(f"{error.message}{more}", file=error.file, place=error.place)
 
 
 def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
@@ -171,9 +202,10 @@ def _check_wide(evidence: Evidence, told: Collection[str]) -> None:
     found = names_and_values(evidence, told)
     if found is not None:
         name, said = found
-        raise InputError(
+        raise RowForEach(
             f"{_row_for_each(evidence, name)}; expected --series {quoted(said)}, which gives each a column of its own, "
             f"or --column {quoted(f'{name}=')} where it is none",
+            said,
             place=f"column {name}",
         )
 

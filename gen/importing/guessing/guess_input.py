@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from gen.errors import InputError
+from gen.importing.guessing.driving import drives, meaning
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import CERTAIN, Choices, Guess, quoted
 from gen.importing.guessing.input_scale import OF_CONVERTERS, is_switch, pulse, scaled, spanned, worded
-from gen.importing.guessing.names import COOLS, DRIVES, DUTY, HEATS, NO_DRIVE, PWM, WANTED
+from gen.importing.guessing.names import COOLS, DUTY, HEATS, NO_DRIVE, PWM
 from gen.importing.guessing.ways import sign_of
 from gen.importing.listing import listed
 from gen.importing.mapping import InputForm
@@ -18,7 +19,7 @@ from gen.importing.switches import active_state
 from gen.importing.units import SHARE
 from gen.runs.drive import FULL_COUNTS
 
-_MOST_OPTIONS = 4
+_MOST_OPTIONS = 8
 """Proposed in a message."""
 NO_INPUT = "no column is a motor's PWM"
 """How the refusal of a log without an input begins."""
@@ -120,7 +121,7 @@ def _check_alone(entry: Facts, numbers: list[Facts]) -> None:
     """Ask where the only duty is a fan's, and something else may heat."""
     if not COOLS.search(worded(entry)):
         return
-    others = [it for it in _drives(numbers) if HEATS.search(worded(it)) and not COOLS.search(worded(it))]
+    others = [it for it in drives(numbers) if HEATS.search(worded(it)) and not COOLS.search(worded(it))]
     if others:
         options = listed(map(_as_option, [*others[:_MOST_OPTIONS], entry]), " or ")
         raise InputError(
@@ -129,21 +130,20 @@ def _check_alone(entry: Facts, numbers: list[Facts]) -> None:
         )
 
 
-def _drives(numbers: list[Facts]) -> list[Facts]:
-    """Columns that may drive it by their names."""
-    drives = [entry for entry in numbers if DRIVES.search(worded(entry)) and entry.span != (0.0, 0.0)]
-    drives = [entry for entry in drives if not entry.in_degrees]
-    return [entry for entry in drives if not WANTED.search(worded(entry))] or drives  # what was wanted heats nothing
-
-
 def _as_option(entry: Facts) -> str:
     return f"--input {quoted(entry.name)}{_full_scale(_plain(entry))}"
 
 
+def _explained(entry: Facts, beside_others: bool) -> str:
+    """The option that takes a column, and, where there are others, what it means to take this one."""
+    said = meaning(entry) if beside_others else ""
+    return f"{_as_option(entry)} ({said})" if said else _as_option(entry)
+
+
 def _none(numbers: list[Facts], evidence: Evidence) -> str:
-    drives = _drives(numbers)
+    driving = drives(numbers)
     said = NO_INPUT
-    options = list(map(_as_option, drives[:_MOST_OPTIONS]))
+    options = [_explained(entry, len(driving) > 1) for entry in driving[:_MOST_OPTIONS]]
     if options:
         return f"{said}; expected what drives it, such as {' or '.join(options + _states(evidence))}"
     if not numbers:

@@ -44,8 +44,25 @@ DUTY = _words(languages.DUTY)
 DRIVES = _words(
     f"{languages.COMMAND}|{languages.OUTPUT}|{languages.POWER}|{languages.CURRENT}|{languages.SPEED}|{languages.HEAT}|"
     f"{languages.SETPOINT}|"
-    r"gas|drive|load|pid|ssr|utili[sz]ation|i|p|q\d*|@"
+    r"gas|drive|antrieb|azionamento|entra[îi]nement|accionamiento|acionamento|aandrijving|load|pid|ssr|utili[sz]ation|"
+    r"i|p|q\d*|@"
 )
+FREQUENCY = _words(
+    r"\w*frequenz|\w*frequency|freq|fr[ée]quence|frequenza|frecuencia|frequ[êe]ncia|frequentie|hz|f[ _-]?out"
+)
+"""What an inverter gives a motor: how fast it is to turn."""
+NO_INVERTER = _words(
+    r"pwm|mains|grid|line|netz\w*|sampl\w+|abtast\w*|resonan\w+|natural|eigen\w*|vibration|schwing\w*|clock|cpu|core|"
+    r"carrier|switching|takt\w*|[kmg]hz"
+)
+"""What has another frequency."""
+STORED = _words(
+    r"%?rh|hum|humidity|moisture|soc|battery|batt?|akku|charge|level|f(?:ü|ue)llstand|fuel|tank|quality|valid\w*|signal|"
+    r"cpu|mem|memory|ram|disk|efficiency|wirkungsgrad|error|fehler|progress|slip|schlupf|feuchte"
+)
+"""What is told in percent, and drives nothing."""
+SPEED_OF = _words(languages.SPEED)
+CURRENT_OF = _words(f"{languages.CURRENT}|i|amps?")
 SIGN = _words(
     r"dir|direction|richtung|drehrichtung|sign|sens.de.rotation|senso.di.rotazione|sentido(?:.de.giro)?|draairichting|"
     r"rotation|drehsinn"

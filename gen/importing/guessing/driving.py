@@ -1,0 +1,69 @@
+"""Columns that may drive a motor by their names, where none is a PWM: what it is told first, then what heats it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from gen.importing.guessing import names
+from gen.importing.guessing.evidence import Facts
+from gen.importing.guessing.input_scale import worded
+from gen.importing.units import SHARE
+
+_SAYS_TEMPERATURE = re.compile(r"(?i)temp(?!o)|th?ermo|°")
+_TOLD, _SPENT, _HEATS = range(3)
+
+
+def drives(numbers: Sequence[Facts]) -> list[Facts]:
+    """Columns that may drive it: what it is told first, then what it takes.
+
+    Parameters
+    ----------
+    numbers
+        Columns of numbers.
+    """
+    found = [entry for entry in numbers if _may_drive(entry) and entry.span != (0.0, 0.0)]
+    found = [
+        entry for entry in found if not names.WANTED.search(worded(entry))
+    ] or found  # what was wanted heats nothing
+    return sorted(found, key=lambda entry: _kind(entry)[0])
+
+
+def meaning(entry: Facts) -> str:
+    """What it means to take a column for the input; empty where that is plain.
+
+    Parameters
+    ----------
+    entry
+        One of :func:`drives`.
+    """
+    return _kind(entry)[1]
+
+
+def _may_drive(entry: Facts) -> bool:
+    if entry.in_degrees or _SAYS_TEMPERATURE.search(entry.name):
+        return False
+    unit = entry.named[1]
+    if unit is not None and unit.quantity == SHARE and not names.STORED.search(f"{entry.name} {worded(entry)}"):
+        return True
+    return bool(names.DRIVES.search(worded(entry))) or _is_frequency(entry)
+
+
+def _is_frequency(entry: Facts) -> bool:
+    """Whether it is that of an inverter: one of the mains, or of a PWM, stays or is called so."""
+    low, high = entry.span
+    text = f"{worded(entry)} {entry.written_unit}"
+    return low != high and bool(names.FREQUENCY.search(text)) and not names.NO_INVERTER.search(text)
+
+
+def _kind(entry: Facts) -> tuple[int, str]:
+    text, unit = worded(entry), entry.named[1]
+    if names.CURRENT_OF.search(text) or (unit is not None and unit.target == "A"):
+        return _HEATS, "a current: what heats it; beside another input, --heat of gen identify takes it"
+    if names.HEATS.search(text) or (unit is not None and unit.target == "W"):
+        return _SPENT, "a power: what it takes"
+    if _is_frequency(entry):
+        return _TOLD, "a frequency: what the motor is told"
+    if names.SPEED_OF.search(text):
+        return _TOLD, "a speed: what the motor is told"
+    return _TOLD, "what the motor is told" if unit is not None and unit.quantity == SHARE else ""
