@@ -57,7 +57,8 @@ def agreed(comments: Iterable[tuple[str, Mapping[str, str]]]) -> Drive | None:
         before, drive = first
         if not found.agrees(drive):
             raise InputError(
-                f"found {found.text()}; expected one input for all runs, and {before} has {drive.text()}",
+                f"found {found.text()}; expected one input for all runs, and {before} has {drive.text()}"
+                f"{found.remedy(drive)}",
                 file=path,
                 place=f"comment {COMMENT}",
             )

@@ -37,10 +37,12 @@ def check_meaning(coefficients: Coefficients, comments: Mapping[str, str], file:
     rest = told.rest or 0.0
     meant = rest + (told.full_scale - rest) * FULL_COUNTS / declared.full_scale
     close = found.full_scale if isclose(meant, found.full_scale, rel_tol=1e-4) else meant
-    if found.agrees(Drive(told.quantity, told.unit, close, rest=rest)):
+    expected = Drive(told.quantity, told.unit, close, rest=rest)
+    if found.agrees(expected):
         return
     raise InputError(
-        f"found {found.text()}; expected as in the coefficient file's $.input.stands_for, {declared.meaning}",
+        f"found {found.text()}; expected as in the coefficient file's $.input.stands_for, {declared.meaning}"
+        f"{found.remedy(expected)}",
         file=file,
         place=f"comment {COMMENT}",
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -12,6 +13,8 @@ FULL_COUNTS = 255
 """Count that an imported run's full scale becomes."""
 COUNTS = "counts"
 """Unit of an input that is a PWM already."""
+OWN_UNIT = "of its own unit"
+"""Unit of an input of which nothing said one."""
 
 WHOLE = {COUNTS: float(FULL_COUNTS), "percent": 100.0, "permille": 1000.0, "duty": 1.0}
 """Units of a share, and all of it in each: to say half is the same in any of them."""
@@ -57,6 +60,20 @@ class Drive:
         """Whether counts of both mean the same, as far as runs tell it: names differ between loggers."""
         alike = (self.unit, self.full_scale, self.rest) == (other.unit, other.full_scale, other.rest)
         return alike or (self._is_whole and other._is_whole)
+
+    def remedy(self, other: Drive) -> str:
+        """What makes runs of both agree, where one has no unit and all else is alike; empty where nothing does.
+
+        Parameters
+        ----------
+        other
+            That of the other run.
+        """
+        if (self.full_scale, self.rest) != (other.full_scale, other.rest) or OWN_UNIT not in (self.unit, other.unit):
+            return ""
+        bare, unit = (self, other.unit) if self.unit == OWN_UNIT else (other, self.unit)
+        shown = shlex.quote(f"{bare.quantity}={unit}")
+        return f"; where {bare.quantity} is in {unit}, too: import it with --unit {shown}"
 
     @property
     def _is_whole(self) -> bool:

@@ -195,6 +195,32 @@ def test_a_share_is_the_same_in_any_unit(one: Drive, other: Drive, alike: bool) 
     assert other.agrees(one) is alike
 
 
+def test_counts_that_one_log_does_not_call_so_are_refused_with_what_makes_them_agree(tmp_path: Path) -> None:
+    values = np.where(np.arange(60) % 40 < 20, 1023, 0)
+    frame = pd.DataFrame({"time_s": 5.0 * np.arange(60), "field 1": values, "block_degC": 22.0 + np.arange(60) / 10.0})
+    named, bare = tmp_path / "named.csv", tmp_path / "bare.csv"
+    frame.rename(columns={"field 1": "pwm"}).to_csv(named, index=False)
+    frame.to_csv(bare, index=False)
+    first = import_runs([named], tmp_path / "runs", full_scale=1023).runs[0]
+    found = import_runs([bare], tmp_path / "runs", input="field 1", full_scale=1023)
+    assert "if these are counts: --unit 'field 1=counts'" in str(found.guesses().loc["field 1", "why"])
+    for both in ([first, found.runs[0]], [found.runs[0], first]):
+        with pytest.raises(InputError, match=r"; where field 1 is in counts, too: .* --unit 'field 1=counts'$"):
+            gen.identify(both)
+    again = import_runs(
+        [bare], tmp_path / "runs", input="field 1", full_scale=1023, units={"field 1": "counts"}, overwrite=True
+    )
+    one, other = (drive_of(read_run(path).comments) for path in (first, again.runs[0]))
+    assert one is not None
+    assert other is not None
+    assert one.agrees(other)
+
+
+def test_no_unit_makes_scales_agree_that_differ() -> None:
+    assert Drive("field1", "of its own unit", 1023.0).remedy(Drive("pwm", "counts", 255.0)) == ""
+    assert Drive("I", "A", 12.0).remedy(Drive("P", "W", 12.0)) == ""
+
+
 def test_one_motor_logged_as_percent_as_share_and_as_counts_is_one_motor(tmp_path: Path) -> None:
     paths = []
     for name, (column, unit) in {"a": ("Duty (%)", 100.0), "b": ("duty", 1.0), "c": ("pwm", 255.0)}.items():

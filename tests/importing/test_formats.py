@@ -125,7 +125,7 @@ def test_json_lists_whose_ids_are_of_messages_go_by_place(tmp_path: Path) -> Non
 def test_json_lists_that_hold_one_sensor_at_a_time_part_them(tmp_path: Path) -> None:
     lines = [
         json.dumps(
-            {"time_s": k, "pwm": 100, "sensors": [{"name": ("winding", "casing")[k % 2], "temp": 21.25 + k % 2}]}
+            {"time_s": k, "pwm": 120, "sensors": [{"name": ("winding", "casing")[k % 2], "temp": 21.25 + k % 2}]}
         )
         for k in range(60)
     ]
@@ -137,7 +137,7 @@ def test_json_lists_that_hold_one_sensor_at_a_time_part_them(tmp_path: Path) -> 
 
 
 def test_json_lists_without_names_go_by_place(tmp_path: Path) -> None:
-    records = [{"time_s": 2.0 * k, "pwm": 100, "T": [20.0 + 0.1 * k, 21.0 + 0.05 * k]} for k in range(60)]
+    records = [{"time_s": 2.0 * k, "pwm": 120, "T": [20.0 + 0.1 * k, 21.0 + 0.05 * k]} for k in range(60)]
     found = take(write(tmp_path, "\n".join(map(json.dumps, records)), name="log.jsonl"), tmp_path / "runs")
     assert len(read_run(found.runs[0]).temps) == 2
 

@@ -105,11 +105,26 @@ def test_percent_that_is_0_in_all_rows_asks_nothing(tmp_path: Path) -> None:
     assert set(taken(path, tmp_path / "runs").pwm.tolist()) == {0}
 
 
-def test_a_run_file_s_own_pwm_up_to_a_hundred_is_said(tmp_path: Path) -> None:
-    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
-    assert ["--unit pwm=percent" in warning for warning in take(path, tmp_path / "a").warnings] == [True]
+@pytest.mark.parametrize("low", [0, -100])
+def test_a_run_file_s_own_pwm_up_to_exactly_a_hundred_is_asked_for(low: int, tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, low))))
+    with pytest.raises(InputError, match=r"up to exactly 100: as likely percent .* by --unit pwm=percent, =counts"):
+        take(path, tmp_path / "a")
     assert take(path, tmp_path / "b", units={"pwm": "counts"}).warnings == []
-    assert set(taken(path, tmp_path / "c", units={"pwm": "percent"}).pwm.tolist()) == {0, 255}
+    assert set(taken(path, tmp_path / "c", units={"pwm": "percent"}).pwm.tolist()) == {255 * low // 100, 255}
+
+
+@pytest.mark.parametrize("most", [99, 101])
+def test_a_run_file_s_own_pwm_up_to_another_number_is_in_counts(most: int, tmp_path: Path) -> None:
+    true = TRUE.assign(pwm=np.where(TRUE.pwm, most, 0))
+    same(taken(write(tmp_path, csv(true)), tmp_path / "out"), true)
+
+
+def test_a_run_file_that_says_what_its_counts_are_is_not_asked_again(tmp_path: Path) -> None:
+    path = write(tmp_path, csv(TRUE.assign(pwm=np.where(TRUE.pwm, 100, 0))))
+    first = take(path, tmp_path / "a", units={"pwm": "counts"}).runs[0]
+    again = taken(first, tmp_path / "b")
+    assert set(again.pwm.tolist()) == {0, 100}
 
 
 def test_ten_bits_need_a_full_scale(tmp_path: Path) -> None:

@@ -10,15 +10,17 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.guessing.evidence import Evidence, Facts
-from gen.importing.guessing.guesses import CERTAIN, Choices
+from gen.importing.guessing.guesses import CERTAIN, Choices, quoted
 from gen.importing.guessing.names import DUTY, PWM, apart
 from gen.importing.odd_inputs import glitches_among
 from gen.importing.units import COUNTS, SHARE, Unit, unit_of
 from gen.importing.units import DUTY as DUTY_SHARE
-from gen.runs.drive import FULL_COUNTS
+from gen.runs.drive import COMMENT, FULL_COUNTS, OWN_UNIT
+from gen.runs.drive import COUNTS as COUNTS_UNIT
 
 OF_CONVERTERS = {127.0, 255.0, 511.0, 1023.0, 2047.0, 4095.0, 8191.0, 16383.0, 32767.0, 65535.0}
 """Whole numbers that reach one of these are counts of a converter or timer."""
+_PERCENT = 100.0
 _ROUND = {100.0, 1000.0, 10_000.0}
 _EITHER = 0.5
 _PULSE_US = (800.0, 2200.0)
@@ -115,7 +117,10 @@ def _scale(entry: Facts, evidence: Evidence, choices: Choices) -> InputScale:
     if choices.full_scale is None and not told and (by_name := _said_full(entry, reached)) is not None:
         return by_name
     if choices.full_scale is not None:
-        return InputScale(unit.name if unit else _bare(entry), choices.full_scale, CERTAIN, "--full-scale")
+        said = "--full-scale"
+        if unit is None and _bare(entry) == OWN_UNIT and entry.whole and choices.full_scale in OF_CONVERTERS:
+            said += f"; if these are counts: --unit {quoted(f'{entry.name}=counts')}"
+        return InputScale(unit.name if unit else _bare(entry), choices.full_scale, CERTAIN, said)
     if unit is not None and unit.quantity in (SHARE, COUNTS):
         full = 100.0 / unit.scale if unit.quantity == SHARE else FULL_COUNTS / unit.scale
         sure = CERTAIN if told else 0.95
@@ -172,6 +177,9 @@ def pulse(entry: Facts) -> str:
 
 def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> InputScale:
     own = "time_s" in evidence.facts and entry.name == "pwm"
+    if own and entry.whole and reached == _PERCENT and not _written_by_gen(evidence):
+        said = f"whole numbers up to exactly {reached:g}: as likely percent as counts of 255"
+        return InputScale("counts", FULL_COUNTS, _EITHER, said)
     if own and entry.whole and reached <= FULL_COUNTS:
         return InputScale(
             "counts",
@@ -196,8 +204,13 @@ def _by_range(entry: Facts, base: str, reached: float, evidence: Evidence) -> In
     return InputScale("counts", FULL_COUNTS, 0.4, f"whole numbers up to {reached:g} may be counts of 255 or percent")
 
 
+def _written_by_gen(evidence: Evidence) -> bool:
+    """Whether these are run files that say of themselves what their counts are."""
+    return all(COMMENT in table.comments for table in evidence.tables)
+
+
 def _bare(entry: Facts) -> str:
-    return "counts" if PWM.search(entry.name) else "of its own unit"
+    return COUNTS_UNIT if PWM.search(entry.name) else OWN_UNIT
 
 
 def _full_counts(reached: float) -> int:

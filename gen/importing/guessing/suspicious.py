@@ -12,7 +12,6 @@ from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.guessing.unsaid import unsaid
 from gen.importing.mapping import Mapping
 
-_PERCENT = 100.0
 _NEAR_REST = 0.02
 """Of the full scale, within which a motor rests."""
 _MOST_BACK, _OFTEN = 0.95, 0.05
@@ -37,20 +36,11 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     """
     label = evidence.tables[0].label
     time = short_in_seconds(evidence, mapping.time, choices)
-    drive = _like_percent(evidence, mapping, choices) or _like_a_stick(evidence, mapping)
+    drive = _like_a_stick(evidence, mapping)
     drive = drive or _like_a_live_zero(evidence, mapping) or _like_another_rest(evidence, mapping)
     drive = drive or _like_switched(evidence, mapping)
     several = _like_several(evidence, mapping, choices)
     return [f"{label}: {said}" for said in (time, drive, several, unsaid(evidence, mapping, choices)) if said]
-
-
-def _like_percent(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
-    """A run file's own pwm is in counts; that the largest is 100 of 255 would be chance."""
-    name = mapping.input.column
-    told = choices.full_scale or choices.units.get(name) or choices.units.get("pwm")
-    if not name or told or mapping.input.unit != "counts" or max(map(abs, evidence.facts[name].span)) != _PERCENT:
-        return ""
-    return f"{name}: the largest is {_PERCENT:g}, as in percent; if so: --unit {quoted(f'{name}=percent')}"
 
 
 def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
