@@ -162,6 +162,8 @@ def _show(planned: Plan) -> None:
 def _tell(found: Import) -> None:
     for what, row in found.counted().iterrows():
         click.echo(_printable(f"{row['file']}: {row['count']} x {what} (first: {row['first']})"))
+    for note in found.notes:
+        click.echo(_printable(note))
     for warning in found.warnings:
         click.echo(_printable(f"warning: {warning}"), err=True)
     if found.mapping is not None:

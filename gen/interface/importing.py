@@ -44,6 +44,11 @@ class Import:
         decided = [warning for entry in self._plan.decided for warning in entry.warnings]
         return decided + [warning for made in self._written.converted for warning in made.warnings]
 
+    @property
+    def notes(self) -> list[str]:
+        """What is worth to know, such as that there is no ambient."""
+        return [note for entry in self._plan.decided for note in entry.notes]
+
     def guesses(self) -> pd.DataFrame:
         """What was taken for what.
 

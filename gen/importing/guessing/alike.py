@@ -23,6 +23,7 @@ _ROUGH = 0.3
 """Mean square of steps over the variance, above which it is noise; white noise has 2."""
 _FOLLOWS = 0.3
 """Correlation with another temperature."""
+_PARTS_OF_A_LOG = 20
 _TAIL = 0.5
 """Percent of the readings at each end that do not count: what a sensor gives when it fails."""
 
@@ -67,11 +68,33 @@ def correlation(first: Facts, second: Facts) -> float:
     first, second
         Of the same tables.
     """
+    return _correlated(_side_by_side(first, second))
+
+
+def correlation_of_changes(first: Facts, second: Facts) -> float:
+    """The same of what both change by within a twentieth of a log: what warms all day is not what a motor warms.
+
+    Parameters
+    ----------
+    first, second
+        Of the same tables.
+    """
+    pairs = _side_by_side(first, second)
+    steps = [max(1, a.size // _PARTS_OF_A_LOG) for a, _ in pairs]
+    return _correlated([(a[n:] - a[:-n], b[n:] - b[:-n]) for (a, b), n in zip(pairs, steps, strict=True)])
+
+
+def _side_by_side(first: Facts, second: Facts) -> list[tuple[FloatArray, FloatArray]]:
     pairs = [(_filled(a.values), _filled(b.values)) for a, b in zip(first.parsed, second.parsed, strict=True)]
-    pairs = [(a, b) for a, b in pairs if a.size and b.size]
+    return [(a, b) for a, b in pairs if a.size and b.size]
+
+
+def _correlated(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> float:
     if not pairs:
         return 0.0
     one, two = (np.concatenate(values) for values in zip(*pairs, strict=True))
+    if not one.size:
+        return 0.0
     one, two = one - one.mean(), two - two.mean()
     size = float(np.sqrt((one @ one) * (two @ two)))
     return float(one @ two) / size if size > 0.0 else 0.0

@@ -19,7 +19,7 @@ from gen.importing.guessing.input_scale import spanned
 from gen.importing.guessing.names import RISE, RUNS
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.series_columns import names_and_values
-from gen.importing.guessing.suspicious import suspicious
+from gen.importing.guessing.suspicious import noted, suspicious
 from gen.importing.guessing.timed_rows import of_timed_rows
 from gen.importing.guessing.times.guess_time import decide_time
 from gen.importing.listing import listed
@@ -76,6 +76,8 @@ class Decided:
         What is suspicious of that, in a line each.
     odd
         Numbers in the input's column that are none of the input, and what they are.
+    notes
+        What is worth to know of it, in a line each.
     """
 
     evidence: Evidence
@@ -83,6 +85,7 @@ class Decided:
     guesses: Sequence[Guess]
     warnings: Sequence[str] = ()
     odd: Named[float, str] = field(default_factory=dict)
+    notes: Sequence[str] = ()
 
 
 def decide(tables: Sequence[Table], choices: Choices, known: Mapping | None) -> Decided:
@@ -181,7 +184,8 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
         series=choices.series,
         column=entries,
     )
-    return Decided(everything, mapping, guesses, suspicious(evidence, mapping, choices), odd_of(evidence, mapping))
+    found = suspicious(evidence, mapping, choices)
+    return Decided(everything, mapping, guesses, found, odd_of(evidence, mapping), noted(evidence, mapping))
 
 
 def _with_more(

@@ -88,7 +88,10 @@ _SAYS_AMBIENT = (
 _SAYS_ROOM = (
     r"(?:t_?)?room|(?:t_?)?raum|raumtemp(?:eratur)?|raumluft|raumlufttemp(?:eratur)?|zimmer|zimmertemp(?:eratur)?|"
     r"halle|hallentemp(?:eratur)?|salle|pièce|"
-    r"stanza|sala|habitaci[óo]n|kamer|kamertemperatuur|ruimte|ruimtetemperatuur"
+    r"stanza|sala|habitaci[óo]n|kamer|kamertemperatuur|ruimte|ruimtetemperatuur|"
+    r"(?:t_?)?lab|labo|labor(?:temp(?:eratur)?)?|laboratory|laboratorium|laboratoire|laborat[óo]rio|workshop|shop|"
+    r"werkstatt(?:temp(?:eratur)?)?|werkhalle|hangar|garage|keller(?:temp(?:eratur)?)?|cellar|basement|office|"
+    r"b(?:ü|ue)ro|indoors?|atelier|officina|taller|oficina|werkplaats|weather|wetter"
 )
 _SAYS_AIR = (
     r"outside|outdoors?|temp[ ._]?out|out[ ._]?temp|(?:t_?)?air|env|environment|"
@@ -100,6 +103,8 @@ AMBIENTS = tuple(map(_words, (_SAYS_AMBIENT, _SAYS_ROOM, _SAYS_AIR)))
 """What says the ambient: outright, by the room, and by words that stand beside other things, too."""
 _SAYS_ANY = "|".join((_SAYS_AMBIENT, _SAYS_ROOM, _SAYS_AIR))
 AMBIENT = _words(_SAYS_ANY)
+HALL = _words(r"hall(?!.*(?:sensor|effect|state|pos))")
+"""A room where its column is in degrees; else a sensor of magnets."""
 RISE = _words(
     rf"(?:over|above|minus|(?:ü|ue)ber|gegen(?:ü|ue)ber|sur|sopra|sobre|boven)[ _-]+(?:{_SAYS_ANY})|rise|minus|"
     r"(?:ü|ue)bertemperatur|erw(?:ä|ae)rmung|[ée]chauffement|sovratemperatura|sobretemperatura|sobreelevaci[óo]n|"

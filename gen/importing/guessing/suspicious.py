@@ -7,6 +7,7 @@ import numpy as np
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.guessing.names import ENABLES
+from gen.importing.guessing.no_ambient import without_ambient
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.guessing.unsaid import unsaid
@@ -40,7 +41,23 @@ def suspicious(evidence: Evidence, mapping: Mapping, choices: Choices) -> list[s
     drive = drive or _like_a_live_zero(evidence, mapping) or _like_another_rest(evidence, mapping)
     drive = drive or _like_switched(evidence, mapping)
     several = _like_several(evidence, mapping, choices)
-    return [f"{label}: {said}" for said in (time, drive, several, unsaid(evidence, mapping, choices)) if said]
+    ambient, likely = without_ambient(evidence, mapping)
+    other = (unsaid(evidence, mapping, choices), ambient if likely else "")
+    return [f"{label}: {said}" for said in (time, drive, several, *other) if said]
+
+
+def noted(evidence: Evidence, mapping: Mapping) -> list[str]:
+    """Give what is worth to know and nothing speaks against.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    mapping
+        What was decided of them.
+    """
+    ambient, likely = without_ambient(evidence, mapping)
+    return [f"{evidence.tables[0].label}: {ambient}"] if ambient and not likely else []
 
 
 def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
