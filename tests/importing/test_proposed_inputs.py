@@ -142,11 +142,14 @@ def test_a_row_for_each_reading_is_asked_for_together_with_all_that_comes_after_
     np.testing.assert_allclose(run.extras["FU_Motorstrom_A"], 4.0 * DRIVEN)
 
 
-def test_where_the_current_is_taken_the_frequency_is_kept(tmp_path: Path) -> None:
+def test_where_the_current_is_taken_the_frequency_is_kept_and_told(tmp_path: Path) -> None:
     path = exported(tmp_path)
     said = {"series": "VarName", "units": {"Lager_quux": "degC"}}
-    run = read_run(take(path, tmp_path / "a", input="FU_Motorstrom_A", full_scale=5.0, **said).runs[0])
-    np.testing.assert_allclose(run.extras["FU_Ausgangsfrequenz_Hz"], 50.0 * DRIVEN)
+    found = take(path, tmp_path / "a", input="FU_Motorstrom_A", full_scale=5.0, **said)
+    np.testing.assert_allclose(read_run(found.runs[0]).extras["FU_Ausgangsfrequenz_Hz"], 50.0 * DRIVEN)
+    assert ["what the motor is told may be FU_Ausgangsfrequenz_Hz (10..50)" in note for note in found.notes] == [True]
+    found = take(path, tmp_path / "b", input="FU_Ausgangsfrequenz_Hz", full_scale=50.0, **said)
+    assert found.notes == []
 
 
 def test_a_row_for_each_reading_of_which_nothing_else_is_doubtful_asks_for_that_alone(tmp_path: Path) -> None:

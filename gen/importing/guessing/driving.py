@@ -12,6 +12,8 @@ from gen.importing.units import SHARE
 
 _SAYS_TEMPERATURE = re.compile(r"(?i)temp(?!o)|th?ermo|°")
 _TOLD, _SPENT, _HEATS = range(3)
+_FREQUENCY, _SPEED = (_TOLD, "a frequency: what the motor is told"), (_TOLD, "a speed: what the motor is told")
+_TOLD_OUTRIGHT = (_FREQUENCY, _SPEED)
 
 
 def drives(numbers: Sequence[Facts]) -> list[Facts]:
@@ -40,6 +42,21 @@ def meaning(entry: Facts) -> str:
     return _kind(entry)[1]
 
 
+def told_beside(entry: Facts, numbers: Sequence[Facts]) -> list[Facts]:
+    """Frequencies and speeds beside a current that was taken for the input: what the motor is told may be among them.
+
+    Parameters
+    ----------
+    entry
+        The input.
+    numbers
+        Columns of numbers.
+    """
+    if _kind(entry)[0] != _HEATS:
+        return []
+    return [other for other in drives(numbers) if other is not entry and _kind(other) in _TOLD_OUTRIGHT]
+
+
 def _may_drive(entry: Facts) -> bool:
     if entry.in_degrees or _SAYS_TEMPERATURE.search(entry.name):
         return False
@@ -63,7 +80,7 @@ def _kind(entry: Facts) -> tuple[int, str]:
     if names.HEATS.search(text) or (unit is not None and unit.target == "W"):
         return _SPENT, "a power: what it takes"
     if _is_frequency(entry):
-        return _TOLD, "a frequency: what the motor is told"
+        return _FREQUENCY
     if names.SPEED_OF.search(text):
-        return _TOLD, "a speed: what the motor is told"
+        return _SPEED
     return _TOLD, "what the motor is told" if unit is not None and unit.quantity == SHARE else ""

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.importing.guessing.driving import told_beside
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.guessing.guesses import Choices, quoted
+from gen.importing.guessing.input_scale import spanned
 from gen.importing.guessing.names import ENABLES
 from gen.importing.guessing.no_ambient import without_ambient
 from gen.importing.guessing.parted import mixed
 from gen.importing.guessing.times.time_unit import short_in_seconds
 from gen.importing.guessing.unsaid import unsaid
+from gen.importing.listing import listed
 from gen.importing.mapping import Mapping
 
 _NEAR_REST = 0.02
@@ -57,7 +60,18 @@ def noted(evidence: Evidence, mapping: Mapping) -> list[str]:
         What was decided of them.
     """
     ambient, likely = without_ambient(evidence, mapping)
-    return [f"{evidence.tables[0].label}: {ambient}"] if ambient and not likely else []
+    lines = [_beside_a_current(evidence, mapping), "" if likely else ambient]
+    return [f"{evidence.tables[0].label}: {said}" for said in lines if said]
+
+
+def _beside_a_current(evidence: Evidence, mapping: Mapping) -> str:
+    """A current was taken for the input, and beside it stands what the motor may be told."""
+    name = mapping.input.column
+    others = told_beside(evidence.facts[name], evidence.numbers) if name else []
+    if not others:
+        return ""
+    shown = listed(f"{entry.name} ({spanned(entry)})" for entry in others)
+    return f"{name}: a current, which heats; what the motor is told may be {shown}, kept as an extra column"
 
 
 def _like_a_stick(evidence: Evidence, mapping: Mapping) -> str:
