@@ -80,6 +80,14 @@ def test_a_part_that_does_not_move_with_the_others_is_told_and_not_taken(tmp_pat
     assert [said.endswith("if it is a temperature: --column driver=driver_degC") for said in found.warnings] == [True]
 
 
+def test_a_battery_that_moves_by_volts_is_told_at_most(tmp_path: Path) -> None:
+    """As a charger's log may have it: it rises while the motor warms."""
+    volts = 22.0 + (MOTOR - MOTOR.min()) / 12.0
+    run, found = taken_beside(tmp_path, {"battery": volts})
+    assert set(run.temps) == {"motor"}
+    assert ["--column battery=battery_degC" in said for said in found.warnings] == [True]
+
+
 def test_what_is_named_otherwise_by_the_user_is_not_told(tmp_path: Path) -> None:
     run, found = taken_beside(tmp_path, {"gearbox": GEARBOX}, columns={"gearbox": "gearbox"})
     assert (set(run.temps), found.warnings) == ({"motor"}, [])
@@ -89,6 +97,7 @@ def test_what_is_named_otherwise_by_the_user_is_not_told(tmp_path: Path) -> None
 DRIVEN = PWM / 204.0
 OTHERS = {
     "battery": 25.2 - 1.5 * TIME / TIME[-1] - 0.9 * DRIVEN,  # volts
+    "pack": 25.2 - 1.5 * TIME / TIME[-1] - 0.5 * DRIVEN + 0.02 * RNG.standard_normal(ROWS),
     "battery_pct": 100.0 - 40.0 * TIME / TIME[-1],
     "battery 2": 90.0 - 40.0 * TIME / TIME[-1],  # percent
     "current_in": 20.0 + 12.0 * DRIVEN,
@@ -102,6 +111,8 @@ OTHERS = {
     "gearbox oil level": 25.0 - 4.0 * TIME / TIME[-1],
     "gear": 1.0 + 5.0 * np.abs(np.sin(TIME / 900.0)),
     "elevation": 22.0 + 9.0 * np.sin(TIME / 900.0),
+    "out": np.cumsum(DRIVEN - 0.5) / 10.0,
+    "slope": 20.0 + 0.013 * np.arange(ROWS),
     "controller": 22.5 + 0.0 * TIME,
 }
 

@@ -21,8 +21,10 @@ _JUMP = 0.2
 _FASTER = 1.5
 _ROUGH = 0.3
 """Mean square of steps over the variance, above which it is noise; white noise has 2."""
-_FOLLOWS = 0.3
-"""Correlation with another temperature."""
+_FOLLOWS, _LEAST_SHARE = 0.4, 0.25
+"""Correlation with another temperature, that moves by at least this share of what the column moves by."""
+_EVEN = 0.01
+"""Of the largest step, by which the steps of a counter or a clock differ."""
 _PARTS_OF_A_LOG = 20
 _TAIL = 0.5
 """Percent of the readings at each end that do not count: what a sensor gives when it fails."""
@@ -42,22 +44,27 @@ def unit_alike(facts: Facts, temperatures: Sequence[tuple[Facts, Unit]]) -> Unit
         return None
     for unit in dict.fromkeys(unit for _, unit in temperatures):
         same = [other for other, its in temperatures if its == unit]
-        if _plausible(facts, unit) and _begins_near(facts, same, unit) and _slow(facts, same):
+        if _plausible(facts, same, unit) and _begins_near(facts, same, unit) and _slow(facts, same):
             return unit
     return None
 
 
 def follows(facts: Facts, temperatures: Sequence[Facts]) -> bool:
-    """Whether a column rises and falls with one of the others, as parts of one motor do; a battery's volts do not.
+    """Whether a column rises and falls with one of the others that moves, as parts of one motor do.
+
+    A battery's volts fall while the motor warms; what moves with a room by chance is none of a motor's parts.
 
     Parameters
     ----------
     facts
         Of numbers.
     temperatures
-        Columns of the same tables.
+        Columns of the same tables, in one unit.
     """
-    return any(correlation(facts, other) > _FOLLOWS for other in temperatures)
+    least = _LEAST_SHARE * moved(facts)
+    return any(
+        correlation(facts, other) > _FOLLOWS for other in temperatures if other.values.size and moved(other) >= least
+    )
 
 
 def correlation(first: Facts, second: Facts) -> float:
@@ -118,9 +125,12 @@ def _filled(values: FloatArray) -> FloatArray:
     return np.interp(np.arange(values.size), known, values[known]) if known.size else np.zeros(0)
 
 
-def _plausible(facts: Facts, unit: Unit) -> bool:
+def _plausible(facts: Facts, others: Sequence[Facts], unit: Unit) -> bool:
+    """Whether a machine has such temperatures, none far below what is the coldest there."""
     low, high = np.percentile(facts.values, [_TAIL, 100.0 - _TAIL]) * unit.scale + unit.offset
-    return bool(low > _COLDEST_C and high < _HOTTEST_C and high - low >= _LEAST_MOVED_K)
+    coldest = min(float(np.percentile(other.values, _TAIL)) for other in others) * unit.scale + unit.offset
+    least = max(min(coldest, _ROOM_C) - _NEAR_K, _COLDEST_C)
+    return bool(low > least and high < _HOTTEST_C and high - low >= _LEAST_MOVED_K)
 
 
 def _begins_near(facts: Facts, others: Sequence[Facts], unit: Unit) -> bool:
@@ -144,7 +154,7 @@ def _begins(facts: Facts) -> list[float]:
 def _slow(facts: Facts, others: Sequence[Facts]) -> bool:
     """Whether it changes little from row to row, measured by how far it goes, or by what the others do."""
     steps = _steps(facts)
-    if not steps.size:
+    if not steps.size or np.ptp(steps) <= _EVEN * np.abs(steps).max():
         return False
     fastest = max((float(np.abs(found).max()) for other in others if (found := _steps(other)).size), default=0.0)
     if np.abs(steps).max() > max(_JUMP * moved(facts), _FASTER * fastest):

@@ -10,7 +10,7 @@ import numpy as np
 
 from gen.errors import InputError
 from gen.importing.guessing import names
-from gen.importing.guessing.alike import follows, unit_alike
+from gen.importing.guessing.alike import follows, moved, unit_alike
 from gen.importing.guessing.ambient import ambient_of
 from gen.importing.guessing.counters import counts_rows, never_falls, that_falls
 from gen.importing.guessing.doubles import told_twice
@@ -52,6 +52,8 @@ _UNSAID = 0.5
 _SLOW = 0.7
 _LIKE_OTHERS = 0.75
 """How sure it is that a column is a temperature that is named after a part of a machine, and moves as the others."""
+_VOLTS = 8.0
+"""By which a battery of 24 V falls until it is empty, at most."""
 _KEPT = "kept as it is"
 _ALIKE_K = 8.0
 """How far apart sensors of one motor begin at most."""
@@ -125,12 +127,18 @@ def _with_alike(found: list[_Sorted], evidence: Evidence, choices: Choices) -> l
         unsure = entry.why == _KEPT or (entry.quantity == TEMPERATURE and entry.confidence == _UNSAID)
         if unsure and facts.name not in choices.columns and _of_a_machine(names.apart(facts.named[0])):
             unit = unit_alike(facts, known)
-        if unit is not None and follows(facts, [other for other, _ in known]):
+        same = [other for other, its in known if its == unit]
+        if unit is not None and follows(facts, same) and not _may_be_volts(facts):
             low, high = facts.span
             said = f"a part by its name; {low:.4g}..{high:.4g}, and it begins and moves as the others do: {unit.name}"
             entry = _unless_it_counts(_Sorted(facts, TEMPERATURE, unit, _LIKE_OTHERS, said), evidence)
         made.append(entry)
     return made
+
+
+def _may_be_volts(facts: Facts) -> bool:
+    """Whether it is a battery's that moves by no more than the volts of one at the room's number of them."""
+    return bool(names.CELLS.search(names.apart(facts.named[0]))) and moved(facts) < _VOLTS
 
 
 def _of_a_machine(base: str) -> bool:

@@ -186,6 +186,8 @@ PARTS = _words(
 )
 MACHINE_PARTS = _words(languages.MACHINE_PARTS)
 """Parts whose readings are temperatures only where they begin and move as such."""
+CELLS = _words(r"battery|batterie|akku|batteria|bater[íi]a|accu|cells?|pack")
+"""What is told in volts rather than in degrees, where it moves little."""
 _OF = r"(?:(?:motor|mot|dc|bus|bat|batt|battery|supply|shaft|versorgungs?)[ _-]?)?"
 _OF_BEHIND = r"(?:[ _-]?(?:(?:del?|du|d[oa]|di|van)[ _-])?(?:motor|mot|dc|bat|in|moteur|motore))?"
 

@@ -51,11 +51,14 @@ def unsaid(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
     taken = {entry.to.removesuffix("_degC") for entry in mapping.column if entry.to.endswith("_degC")}
     options = " ".join(_option(facts, unit, taken) for facts, unit in found[:_MOST_SHOWN])
     more = f" and {len(found) - _MOST_SHOWN} more" if len(found) > _MOST_SHOWN else ""
-    one = len(found) == 1
+    if len(found) == 1:
+        return (
+            f"{shown}: begins where the temperatures do and moves as slowly, and nothing says what it is: kept as it "
+            f"is, no part of the model; if it is a temperature: {options}"
+        )
     return (
-        f"{shown}{more}: {'begins' if one else 'begin'} where the temperatures do and {'moves' if one else 'move'} as "
-        f"slowly, and nothing says what {'it is' if one else 'they are'}: kept as it is, no part of the model; if "
-        f"{'it is a temperature' if one else 'these are temperatures'}: {options}"
+        f"{shown}{more}: begin where the temperatures do and move as slowly, and nothing says what they are: kept as "
+        f"they are, no part of the model; if these are temperatures: {options}"
     )
 
 
