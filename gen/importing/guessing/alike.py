@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from gen.importing.guessing.counters import counts_rows
-from gen.importing.guessing.evidence import Facts
+from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.mapping import Mapping
 from gen.importing.table import FloatArray
-from gen.importing.units import Unit
+from gen.importing.units import Unit, unit_of
 
 _LEAST_ROWS, _LEAST_VALUES = 20, 8
 """Readings, and different ones, that show how a column moves."""
@@ -28,6 +29,23 @@ _EVEN = 0.01
 _PARTS_OF_A_LOG = 20
 _TAIL = 0.5
 """Percent of the readings at each end that do not count: what a sensor gives when it fails."""
+
+
+def temperatures(evidence: Evidence, mapping: Mapping) -> list[tuple[Facts, Unit]]:
+    """Give the columns that are temperatures, and what they are told in.
+
+    Parameters
+    ----------
+    evidence
+        The columns.
+    mapping
+        What was decided of them.
+    """
+    return [
+        (evidence.facts[entry.source], unit)
+        for entry in mapping.column
+        if entry.to.endswith("_degC") and (unit := unit_of(entry.unit)) is not None
+    ]
 
 
 def unit_alike(facts: Facts, temperatures: Sequence[tuple[Facts, Unit]]) -> Unit | None:

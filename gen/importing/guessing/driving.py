@@ -25,10 +25,8 @@ def drives(numbers: Sequence[Facts]) -> list[Facts]:
         Columns of numbers.
     """
     found = [entry for entry in numbers if _may_drive(entry) and entry.span != (0.0, 0.0)]
-    found = [
-        entry for entry in found if not names.WANTED.search(worded(entry))
-    ] or found  # what was wanted heats nothing
-    return sorted(found, key=lambda entry: _kind(entry)[0])
+    had = [entry for entry in found if not names.WANTED.search(worded(entry))]  # what was wanted heats nothing
+    return sorted(had or found, key=lambda entry: _kind(entry)[0])
 
 
 def meaning(entry: Facts) -> str:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from gen.importing.guessing import names
-from gen.importing.guessing.alike import correlation_of_changes, moved
+from gen.importing.guessing.alike import correlation_of_changes, moved, temperatures
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import quoted
 from gen.importing.mapping import Mapping
-from gen.importing.units import unit_of
 
 _AMBIENT = "ambient_degC"
 _MUCH_LESS = 0.5
@@ -47,13 +46,8 @@ def without_ambient(evidence: Evidence, mapping: Mapping) -> tuple[str, bool]:
 
 def _like_a_room(evidence: Evidence, mapping: Mapping) -> tuple[Facts, float, float] | None:
     """The temperature that moves least, by much less than the others, and not with them; with what they move by, K."""
-    scales = {
-        entry.source: unit.scale
-        for entry in mapping.column
-        if entry.to.endswith("_degC") and (unit := unit_of(entry.unit)) is not None
-    }
     moves = {
-        name: moved(evidence.facts[name]) * scale for name, scale in scales.items() if evidence.facts[name].values.size
+        facts.name: moved(facts) * unit.scale for facts, unit in temperatures(evidence, mapping) if facts.values.size
     }
     if len(moves) < 2:
         return None

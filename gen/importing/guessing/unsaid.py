@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from gen.importing.guessing import names
-from gen.importing.guessing.alike import unit_alike
+from gen.importing.guessing.alike import temperatures, unit_alike
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import Choices, quoted
 from gen.importing.guessing.input_scale import spanned
 from gen.importing.mapping import Mapping
-from gen.importing.units import DEGC, Unit, is_foreign, unit_of
+from gen.importing.units import DEGC, Unit, is_foreign
 
 _OTHERS = (
     names.OTHER,
@@ -38,11 +38,7 @@ def unsaid(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
     """
     kept = [entry.source for entry in mapping.column if entry.to and not entry.unit]
     told = {*choices.columns, *choices.units}
-    known = [
-        (evidence.facts[entry.source], unit)
-        for entry in mapping.column
-        if entry.to.endswith("_degC") and (unit := unit_of(entry.unit)) is not None
-    ]
+    known = temperatures(evidence, mapping)
     left = [facts for name in kept if name not in told and not _says_other(facts := evidence.facts[name])]
     found = [(facts, unit) for facts in left if (unit := unit_alike(facts, known)) is not None]
     if not found:

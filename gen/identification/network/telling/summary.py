@@ -132,9 +132,9 @@ class Summary:
             return f"Good at the measured speeds{only}. Speeds that were left out it misses: {told(fair)}."
         if fair:
             on = self._on(fair)
-            return f"Fair{only}{f'. {on[0].upper()}{on[1:]}' if only else f': {on}'} it misses {told(fair)}."
+            return f"Fair{only}{f'. {_begun(on)}' if only else f': {on}'} it misses {told(fair)}."
         if only:
-            return f"Good{only}. {self._data[0].upper()}{self._data[1:]} are predicted to {worst:.2g} K."
+            return f"Good{only}. {_begun(self._data)} are predicted to {worst:.2g} K."
         return (
             f"Good: {'stretches' if self.few else 'runs'} that took no part in the fit are predicted, at rest and at "
             f"the measured speeds, to {worst:.2g} K (root mean square of the worst part)."
@@ -260,6 +260,10 @@ class Summary:
             f"the room was not measured in {len(unknown)} run(s): {data.ambient_fixed:.1f} degC is taken, and what the "
             f"runs show beside it (up to {most:.1f} K) is no part of the model; a room that moves moves the parts"
         ]
+
+
+def _begun(sentence: str) -> str:
+    return sentence[0].upper() + sentence[1:]
 
 
 def _time(seconds: float) -> str:

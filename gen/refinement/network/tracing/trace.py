@@ -115,9 +115,8 @@ def needed(
         if step.added is None or len(effects) < 2 or step.added.effect is effects[-1]:
             continue
         without = _without(bench, final, step.added.effect, progress)
-        if final.score_K > (1.0 - NEEDED) * without.score_K and not _spoken_for(
-            bench, final, without, step.added.effect
-        ):
+        takes_little = final.score_K > (1.0 - NEEDED) * without.score_K
+        if takes_little and not _spoken_for(bench, final, without, step.added.effect):
             steps, final = [one for one in steps if one is not step], without
     return steps, final
 
