@@ -40,7 +40,9 @@ def simulate(
     check_outputs((target,), (coefficients, run))
     check_files(coefficients, [run])
     model = load(coefficients)
-    frame = simulated(model, run, arithmetic, start=start).reset_index()
+    frame = simulated(
+        model, run, arithmetic, start=start, warn=lambda warning: click.echo(f"warning: {warning}", err=True)
+    ).reset_index()
     columns = {str(name): frame[name].to_numpy() for name in frame.columns}
     write_columns(target, columns, {"model": model.name, "arithmetic": arithmetic})
     click.echo(f"{target}: {len(frame)} rows")

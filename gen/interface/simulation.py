@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 from gen.interface.arguments import one_of
@@ -16,7 +17,12 @@ if TYPE_CHECKING:
 
 
 def simulate(
-    model: Model, run: RunLike, arithmetic: Literal["exact", "fixed", "float"] = "exact", *, start: Start = "auto"
+    model: Model,
+    run: RunLike,
+    arithmetic: Literal["exact", "fixed", "float"] = "exact",
+    *,
+    start: Start = "auto",
+    warn: Callable[[str], None] = lambda _: None,
 ) -> pd.DataFrame:
     """Run a model along a run's PWM, ambient and channels.
 
@@ -31,6 +37,8 @@ def simulate(
     start
         ``measured`` starts each part from its first measured temperature, ``ambient`` from ambient, ``auto`` from the
         measured one where there is one. A network's hidden nodes start where they would rest between these.
+    warn
+        Called with what the run says and the model does not heed: another ambient than the fixed one it counts from.
 
     Returns
     -------
@@ -56,11 +64,13 @@ def simulate(
     one_of("arithmetic", arithmetic, ("exact", "fixed", "float"))
     one_of("start", start, ("auto", "ambient", "measured"))
 
-    from gen.replay import read_for
+    from gen.replay import overruled_ambient, read_for
 
     loaded = model.coefficients
     with run_files([run]) as (path,):
         measured = read_for(loaded, path)
+        if (overruled := overruled_ambient(loaded, measured, str(path))) is not None:
+            warn(overruled)
         from gen.reference.simulate import simulate_run  # slow to import: what is wrong with the file was told before
 
         columns = one_thread(simulate_run)(loaded, measured, arithmetic, start, str(path))

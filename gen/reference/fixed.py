@@ -36,10 +36,10 @@ def product(difference: Word, rate: Word, shift: int, *, wide: bool, dropped: in
         How many columns of byte products to leave out, if not the usual number.
     """
     whole = difference * rate
-    for column in range(dropped_bytes(shift, wide=wide) if dropped is None else dropped):
-        for i in range(column + 1):
-            part = ((difference >> 8 * i) & 0xFF) * ((rate >> 8 * (column - i)) & 0xFF)
-            whole = whole - (part << 8 * column)
+    columns = dropped_bytes(shift, wide=wide) if dropped is None else dropped
+    for i in range(columns):  # of byte i the products with the rate's bytes that end in a column left out
+        part = ((difference >> 8 * i) & 0xFF) * (rate & ((1 << 8 * (columns - i)) - 1))
+        whole = whole - (part << 8 * i)
     return whole >> shift
 
 

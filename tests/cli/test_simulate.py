@@ -48,6 +48,18 @@ def test_simulate_names_file_line_and_column_of_a_bad_run(tmp_path: Path) -> Non
     assert not (tmp_path / "out.csv").exists()
 
 
+@pytest.mark.parametrize(("noted", "warns"), [("14", True), ("29.5", False)])
+def test_simulate_says_where_a_run_s_room_is_not_the_one_that_the_model_counts_from(
+    tmp_path: Path, noted: str, warns: bool
+) -> None:
+    run = run_file(tmp_path)
+    run.write_text(f"# ambient_degC: {noted}\n{run.read_text()}")
+    done = gen("simulate", COEFFICIENTS, run, "--out", tmp_path / "out.csv")
+    assert done.returncode == 0, done.stderr
+    said = f"warning: {run}: its ambient is {noted}.0 degC in the mean, and the model counts from the 30 degC"
+    assert (said in done.stderr) is warns
+
+
 def test_simulate_measured_start_needs_a_measurement(tmp_path: Path) -> None:
     done = gen("simulate", COEFFICIENTS, run_file(tmp_path), "--start", "measured", "--out", tmp_path / "out.csv")
     assert done.returncode == 2

@@ -86,9 +86,8 @@ class Product:
     def of(self, difference: Integers, rate: Integers) -> Integers:
         """Its value; the difference within the signed, the rate within the unsigned numbers of `width` bytes."""
         total: Integers = difference * rate
-        for i in range(self.least):
-            for j in range(self.least - i):
-                total = total - (_bytes(difference, i, rate, j) << 8 * (i + j))
+        for i in range(self.least):  # byte i times the rate's bytes that with it come below the least place
+            total = total - ((difference >> 8 * i & 0xFF) * (rate & (1 << 8 * (self.least - i)) - 1) << 8 * i)
         for i, j in self.places if self.cut else ():
             if i + j == self.least:
                 total = total - ((_bytes(difference, i, rate, j) & 0xFF) << 8 * self.least)
