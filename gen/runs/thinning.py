@@ -13,9 +13,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from gen.runs.run import FloatArray
 
+_STRETCHES = 100
+"""Of a run, along which rows with the most temperatures are looked for."""
 _MOST_CHANGES = 0.5
 """As a share of the rows that are to be kept."""
 
@@ -54,11 +57,16 @@ def thinned(channels: dict[str, NDArray[Any]], sampled: Collection[str], most_ro
 
 
 def _informative(channels: dict[str, NDArray[Any]], sampled: Collection[str], rows: int) -> NDArray[np.int64]:
-    """Rows with as many measured temperatures as any other: a log may have them in every tenth row only."""
+    """Rows with as many measured temperatures as any other about them: a log may have them in every tenth row only.
+
+    About them, and not in all of the run: a sensor may be lost for good, or come late.
+    """
     measured = np.zeros(rows, dtype=np.int16)
     for name in sampled:
         measured += np.isfinite(channels[name])
-    return np.flatnonzero(measured == measured.max(initial=0))
+    if not measured.size:
+        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(measured == maximum_filter1d(measured, 1 + rows // _STRETCHES))
 
 
 def _prime(least: int) -> int:

@@ -300,6 +300,16 @@ def test_thinning_leaves_sensors_that_take_turns_their_share(file: Path, sensors
     assert max(counts) - min(counts) <= 2
 
 
+def test_thinning_goes_on_where_a_sensor_was_lost(file: Path) -> None:
+    """One that dies after a tenth of the run takes nothing from the others in the rest."""
+    row = np.arange(LONG)
+    lost, whole = np.where(row < LONG // 10, 30.0, np.nan), np.full(LONG, 40.0)
+    _long(file, np.full(LONG, 102), {"bearing_degC": lost, "winding_degC": whole})
+    run = read_run(file, most_rows=6_000)
+    after = run.time_s > 0.11 * run.time_s[-1]
+    assert int(np.isfinite(run.temps["winding"][after]).sum()) > 4_500
+
+
 def test_thinning_averages_a_pwm_that_changes_with_every_row(file: Path) -> None:
     random = np.random.default_rng(4)
     pwm = -np.clip(100 + random.integers(-9, 10, LONG), 0, 255)

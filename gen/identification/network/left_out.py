@@ -80,7 +80,7 @@ def stretches_of(inputs: Inputs) -> list[Mask]:
 
 def each_alone(inputs: Inputs) -> bool:
     """Whether most of the time that turns is at speeds which no other run has, and no run changes speed much."""
-    turning = inputs.rest < 0.5
+    turning = inputs.turns
     alone = total = 0.0
     for r in range(len(inputs.runs)):
         own = turning & (inputs.run == r)

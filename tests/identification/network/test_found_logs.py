@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -122,3 +124,25 @@ def test_a_log_that_is_coarser_than_its_input_gives_no_model_that_is_called_good
     assert not found.verdict.startswith("Good")
     assert "heater by" in found.verdict
     assert any("switches between rows as well" in warning for warning in found.warnings)
+
+
+def test_a_heater_that_is_switched_on_for_a_third_of_the_time_is_a_load_like_others() -> None:
+    """Its input rests for most of every bin: no bin was one of a speed."""
+    rng = np.random.default_rng(11)
+    rows = round(3.0 * 3600.0 / ROW_S)
+    on = np.arange(rows) % 3 == 0
+    level = np.repeat([200.0, 120.0, 0.0], rows // 3)
+    runs = [log(rng, np.where(on, levels, 0.0), None, room=True) for levels in (level, level[::-1])]
+    found = gen.identify(runs, model="network", drives="heater")
+    assert found.model.coefficients.document.validity.pwm == (0, 200)
+    test = log(rng, np.where(on, np.repeat([0.0, 160.0], rows // 2), 0.0), None, room=True)
+    assert rmse(found.model, test) < 0.5
+
+
+def test_a_run_that_holds_the_input_alone_is_no_reason_to_lose_the_report(tmp_path: Path) -> None:
+    rng = np.random.default_rng(12)
+    levels = [np.repeat([200.0, 0.0, 90.0], 600), np.repeat([60.0, 255.0, 0.0], 600), np.full(900, 100.0)]
+    *runs, empty = (log(rng, pwm, None, room=True) for pwm in levels)
+    found = gen.identify([*runs, empty[["pwm", "ambient_degC"]]], model="network")
+    found.report(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text().count("<svg") > 2 * len(runs)

@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gen.identification.network.fitting.bins import Binned, FloatArray, IntArray
 
@@ -29,6 +30,9 @@ START_K = 0.2
 """Standard deviation of a start about what is said of it, K."""
 WARM_K = 10.0
 """Of the start of a node of which nothing is known, K."""
+TURNS = 0.1
+"""Share of what turns at most in any bin, from which a bin is one in which the motor turns: an input that is switched on
+and off within seconds, as a heater's is, may rest for most of every bin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +61,12 @@ class Levels:
     def count(self) -> int:
         """How many."""
         return self.width.size
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Whether they count as speeds, shape (L,); the others are rest. None does where the motor never turned."""
+        share = 1.0 - self.rest
+        return np.asarray(share > TURNS * share.max(initial=0.0))
 
 
 def held(pwm: FloatArray, full_scale: int) -> Levels:
@@ -153,6 +163,11 @@ class Inputs:
         return self.levels.rest[self.level]
 
     @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Whether the motor turns in each bin, shape (N,)."""
+        return self.levels.turns[self.level]
+
+    @property
     def speed(self) -> FloatArray:
         """Mean |PWM| over full scale while it turns, shape (N,)."""
         return self.levels.speed[self.level]
@@ -212,14 +227,14 @@ def _levels(table: FloatArray) -> tuple[IntArray, FloatArray]:
         # Each bin has channels of its own: rounding would not make them fewer.
         distinct, index = np.unique(key, axis=0, return_inverse=True)
         return np.ravel(index), distinct
-    index = np.zeros(len(table), dtype=np.int64)
+    index = np.ravel(np.unique(key, axis=0, return_inverse=True)[1])
     for coarse in (1.0, 4.0, 16.0, 64.0):
-        index = np.ravel(np.unique(key, axis=0, return_inverse=True)[1])
         if index.max() < MOST_LEVELS:
             break
         # A width has to stay as it is: only the inputs are rounded.
         steps = np.array([0.002, 0.004, 0.004]) * coarse
         key = np.column_stack([np.round(table[:, 0], 6), np.round(table[:, 1:] / steps)])
+        index = np.ravel(np.unique(key, axis=0, return_inverse=True)[1])
     number = np.bincount(index).astype(np.float64)
     return index, np.column_stack([np.bincount(index, column) / number for column in table.T])
 

@@ -28,7 +28,7 @@ def past_weights(structure: Structure, vector: FloatArray, inputs: Inputs) -> Fl
         Shape (h, S); None where the input heats nothing.
     """
     levels = inputs.levels
-    turned = levels.speed[levels.rest < 0.5]
+    turned = levels.speed[levels.turns]
     if not structure.hidden or not turned.size:
         return None
     speeds = speeds_of_pasts(float(turned.min()), float(turned.max()))

@@ -79,7 +79,7 @@ def network_text(result: NetworkFound, settings: Settings, note: str = "") -> tu
 def _missing(result: NetworkFound) -> str:
     """What the runs do not show, and which run would."""
     inputs = result.inputs
-    pwm = np.rint(np.where(inputs.rest > 0.5, 0.0, inputs.speed) * result.data.full_scale).astype(np.int64)
+    pwm = np.rint(np.where(inputs.turns, inputs.speed, 0.0) * result.data.full_scale).astype(np.int64)
     time = np.bincount(pwm, inputs.width)
     held = ", ".join(str(level) for level in np.flatnonzero(time > HELD_SHARE * time.sum()))
     ask = "" if rest_was_measured(result) else ", and 20 minutes of rest after one of them,"
@@ -97,7 +97,7 @@ def measured_range(result: NetworkFound) -> tuple[int, int]:
 def turned_range(result: NetworkFound) -> tuple[int, int]:
     """Lowest and highest |PWM| that turned."""
     levels = result.inputs.levels
-    pwm = np.rint(levels.speed[levels.rest < 0.5] * result.data.full_scale)
+    pwm = np.rint(levels.speed[levels.turns] * result.data.full_scale)
     return int(pwm.min()), int(pwm.max())
 
 

@@ -44,7 +44,7 @@ def bands(inputs: Inputs, judged: LeftOut, full_scale: int) -> list[Band]:
     """Give the errors by speed, rest first where it was measured."""
     pwm = np.rint(inputs.speed * full_scale)
     ranges = [(0, 0)] if (inputs.rest > AT_REST).any() else []
-    ranges += _ranges(pwm[inputs.rest < 0.5])
+    ranges += _ranges(pwm[inputs.turns])
     return [_band(inputs, judged.error, one, full_scale) for one in ranges]
 
 
@@ -89,7 +89,7 @@ def _within(inputs: Inputs, pwm: tuple[int, int], full_scale: int) -> Mask:
     if pwm == (0, 0):
         return np.asarray(inputs.rest > AT_REST)
     level = np.rint(inputs.speed * full_scale)
-    return np.asarray((inputs.rest < 0.5) & (level >= pwm[0]) & (level <= pwm[1]))
+    return np.asarray(inputs.turns & (level >= pwm[0]) & (level <= pwm[1]))
 
 
 def _band(inputs: Inputs, errors: FloatArray, pwm: tuple[int, int], full_scale: int) -> Band:

@@ -31,7 +31,7 @@ def only_speeds(inputs: Inputs, full_scale: int) -> list[int]:
     list of int
         One or two |PWM|, increasing, each the mean of those about it; none where there are more.
     """
-    turning = inputs.rest < 0.5
+    turning = inputs.turns
     pwm = np.rint(inputs.speed[turning] * full_scale).astype(np.int64)
     left = np.bincount(pwm, inputs.width[turning], full_scale + 1)
     whole, beside = left.sum(), round(0.5 * ALIKE * full_scale)

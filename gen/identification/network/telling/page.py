@@ -61,6 +61,7 @@ def network_report(result: NetworkFound, coefficients: Coefficients, choice: Dec
             runs=[
                 (name, _courses(number, name, time, columns), _residuals(number, name, time, columns))
                 for number, (name, (time, columns)) in enumerate(curves(result).items())
+                if any(np.isfinite(values).any() for values in columns.values())  # one may hold the input alone
             ],
         )
     )

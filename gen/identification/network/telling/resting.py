@@ -49,7 +49,7 @@ def rested(found: Found, spread: Spread, turned: tuple[int, int], full_scale: in
     """
     time = np.arange(0.0, BEFORE_S + REST_S, ROW_S)
     inputs, _, slopes = along(found, Run(time, np.where(time < BEFORE_S, turned[1], 0)), full_scale)
-    rests = inputs.rest > 0.5
+    rests = ~inputs.turns
     lines = slopes[rests] * np.sqrt(weights(inputs, found.density))[rests][:, :, None]
     lines = lines.reshape(-1, found.structure.size)
     size = found.structure.size

@@ -50,7 +50,7 @@ class Summary:
         inputs = self.result.inputs
         time = np.bincount(inputs.level, inputs.width, inputs.levels.count)
         pwm = np.rint(inputs.levels.speed * self.result.data.full_scale).astype(np.int64)
-        total = np.bincount(pwm, np.where(inputs.levels.rest < 0.5, time, 0.0))
+        total = np.bincount(pwm, np.where(inputs.levels.turns, time, 0.0))
         total[0] = 0.0
         longest = np.argsort(-total)[:MOST_SPEEDS]
         return sorted(int(p) for p in longest if total[p] > 0.0)

@@ -110,7 +110,7 @@ def _reached(found: Found, levels: Levels) -> FloatArray:
     """Give the highest rise of each sensed node in the runs at about each speed, shape (L, S), K; 0 where none was."""
     inputs = found.problem.inputs
     rise = found.fit.evaluated.after[:, : len(found.structure.sensed)] - inputs.ambient[:, None]
-    turning = inputs.rest < 0.5
+    turning = inputs.turns
     made = np.zeros((levels.count, rise.shape[1]))
     for k, speed in enumerate(levels.speed):
         near = turning & (np.abs(inputs.speed - speed) <= ALIKE)

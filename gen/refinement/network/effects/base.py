@@ -260,6 +260,10 @@ class NetworkEffect(ABC):
         """Say what it adds to sensors' readings with its numbers as they are fitted; none for one on the network."""
         return ()
 
+    def by_temperature(self, values: FloatArray) -> tuple[tuple[int, int, float], ...]:
+        """Say by how much that changes with sensed nodes' temperatures: sensor, node and kelvin for each kelvin."""
+        return ()
+
     def unmoved(self) -> NetworkEffect | None:
         """Give the same effect with what it acts by held at its median; None where there is no such thing."""
         return None

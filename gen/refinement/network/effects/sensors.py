@@ -107,6 +107,9 @@ class WarmedThermometer(NetworkEffect):
         shown = values[0] * rise + values[1] * unit
         return tuple(Added(sensor, -shown, (-rise, -unit)) for sensor in range(len(self._names)))
 
+    def by_temperature(self, values: FloatArray) -> tuple[tuple[int, int, float], ...]:  # noqa: D102
+        return tuple((sensor, self._sensor, -float(values[0])) for sensor in range(len(self._names)))
+
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         return [] if values[0] >= self.least else [NO_MORE]
 
@@ -134,6 +137,9 @@ class SensorGain(SensorEffect):
 
     def read(self, seen: Seen, values: FloatArray) -> tuple[Added]:  # noqa: D102
         return self._times(values[0], self._of(seen.temperature) - (seen.ambient if self._of_rise else 0.0))
+
+    def by_temperature(self, values: FloatArray) -> tuple[tuple[int, int, float], ...]:  # noqa: D102
+        return ((self._sensor, self._sensor, float(values[0])),)
 
     def write(self, entry: NetworkWriter, values: Sequence[float]) -> None:  # noqa: D102
         entry.wrong_gain(self.component, values[0], "ambient" if self._of_rise else "zero_degC")

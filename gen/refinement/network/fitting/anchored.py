@@ -305,7 +305,17 @@ class Anchored:
         return made
 
     def through_sensors(self, inputs: Inputs, vector: FloatArray, slopes: NDArray[Any], changes: NDArray[Any]) -> None:
-        """Turn derivatives of temperatures into those of readings, where sensors lag."""
+        """Turn derivatives of temperatures into those of readings, where sensors lag or show a share too much."""
+        shares = [
+            share
+            for effect, place in zip(self.effects, self.places, strict=True)
+            for share in effect.by_temperature(vector[place.columns])
+        ]
+        if shares:
+            later = self.columns.later(inputs.levels)[inputs.level][:, None]
+            added = [(sensor, later * share * slopes[:, node]) for sensor, node, share in shares]
+            for sensor, kelvin in added:
+                slopes[:, sensor] += kelvin
         for one, change in zip(self._lagged(inputs, vector), np.swapaxes(changes, 0, 1), strict=True):
             slopes[:, one.sensor] += one.behind(change)
 

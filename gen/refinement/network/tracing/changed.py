@@ -104,7 +104,7 @@ def _of_the_only_sensor(effect: NetworkEffect, values: Sequence[float], data: Da
 def _turned(data: Data) -> FloatArray:
     """At which speeds the motor turned in the later runs, ascending, shape (L,)."""
     levels = data.inputs.levels
-    turning = (levels.rest < 0.5) & (data.columns.later(levels) > 0.5)
+    turning = levels.turns & (data.columns.later(levels) > 0.5)
     return np.unique(np.round(levels.speed[turning], 2))
 
 
