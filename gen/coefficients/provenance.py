@@ -8,9 +8,13 @@ from pydantic import Field, model_validator
 
 from gen.coefficients.base import CountRange, Number, Part, ordered
 
+ERROR_WINDOWS = 60
+"""A declared error is that of means of readings over this share of a run, as a sensor's noise is not the
+model's: 95 % of them are within it."""
+
 
 class ErrorBand(Part):
-    """What the model is known to be off by, in a range of PWM."""
+    """What the model is known to be off by, in a range of PWM; of means over a run's `ERROR_WINDOWS`-th part."""
 
     component: str
     pwm: CountRange

@@ -1,6 +1,7 @@
 """Logs of any logger to run files: what was recorded, by whatever, as this tool takes it.
 
-Reading knows nothing of meaning (:mod:`~gen.importing.reading` gives tables of cells), guessing knows nothing of files
+Reading knows of meaning no more than what names of columns say (:mod:`~gen.importing.reading` gives tables of cells),
+guessing knows nothing of files
 (:mod:`~gen.importing.guessing` gives a mapping with how sure each part of it is), converting guesses nothing
 (:mod:`~gen.importing.convert` makes runs of a table and a mapping, and counts what is no sample).
 """

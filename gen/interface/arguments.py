@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from numbers import Integral
 from pathlib import Path
 
 from gen.errors import InputError
@@ -32,6 +33,18 @@ def within(name: str, value: object, low: float, high: float) -> None:
     good = isinstance(value, (int, float)) and math.isfinite(value) and low <= value <= high
     if not good:
         raise InputError(f"{name}: found {value!r}, expected a number from {low:g} to {high:g}")
+
+
+def whole(name: str, value: object, low: int, high: int) -> None:
+    """Refuse what is no whole number from `low` to `high`.
+
+    Raises
+    ------
+    InputError
+        With what was found and what was expected.
+    """
+    if not isinstance(value, Integral) or isinstance(value, bool) or not low <= int(value) <= high:
+        raise InputError(f"{name}: found {value!r}, expected a whole number from {low} to {high}")
 
 
 def a_path(name: str, value: object) -> Path:

@@ -124,8 +124,14 @@ def _name(frame: RunLike, number: int) -> str:
     return "".join(c if c.isalnum() or c in "-_." else "_" for c in given) or f"run_{number}"
 
 
+def _one_line(value: object) -> str:
+    return " ".join(str(value).split())
+
+
 def _write(frame: RunLike, number: int, path: Path) -> None:
     import pandas as pd
+
+    from gen.runs import comment_lines
 
     if not isinstance(frame, pd.DataFrame):
         raise InputError(f"run {number} is a {type(frame).__name__}; expected a path or a pandas DataFrame")
@@ -133,6 +139,7 @@ def _write(frame: RunLike, number: int, path: Path) -> None:
         if frame.index.name != "time_s":
             raise InputError(f"run {number}: expected an index or a column named time_s")
         frame = frame.reset_index()
-    comments = {str(k): str(v) for k, v in frame.attrs.items() if k != "name"}
-    lines = "".join(f"# {key}: {value}\n" for key, value in comments.items() if ":" not in key)
+    # Attributes are anybody's: each becomes one line, and one whose name no comment can have is not a run's.
+    said = {_one_line(key): _one_line(value) for key, value in frame.attrs.items() if key != "name"}
+    lines = comment_lines({key: value for key, value in said.items() if ":" not in key})
     path.write_text(lines + frame.to_csv(index=False, lineterminator="\n"), encoding="utf-8")

@@ -90,7 +90,8 @@ def build(
     Raises
     ------
     InputError
-        If the folder holds what is not the project's own, or cannot be written; if the model is a network.
+        If the folder holds what is not the project's own, or cannot be written; if the model is a network and the
+        schedule `onboard`.
     CheckFailed
         If a part cannot be lowered or its proven error exceeds the file's limit.
 
@@ -247,7 +248,7 @@ def verify(
     Raises
     ------
     InputError
-        If a tool is missing; if the model is a network.
+        If a tool is missing; if the model is a network and the schedule `onboard`.
     CheckFailed
         If the model cannot be lowered. A difference is no exception: see :meth:`Verification.check`.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from gen.errors import InputError
-from gen.interface.arguments import one_of, several, within
+from gen.interface.arguments import one_of, several, whole, within
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
 from gen.interface.reported import Progress, Reported, silent
@@ -287,7 +287,8 @@ def identify(
         Run files or frames.
     model
         ``parts``: a transfer function for each part. ``network``: one network of heat capacities for all of them.
-        ``auto``: both are fitted, up to four times each, and the error on what was left out says which is taken.
+        ``auto``: the network where it is good on what was left out; else both are fitted, up to four times each, and
+        the error on what was left out says which is taken.
     name
         The model's name.
     ambient
@@ -338,16 +339,18 @@ def identify(
     if ambient is not None:
         within("ambient", ambient, -273.15, 1000.0)
     within("sample_time", sample_time, 0.001, 3600.0)
-    within("full_scale", full_scale, 1, 255)
+    whole("full_scale", full_scale, 1, 255)
     within("rpm", rpm, 1e-3, 1e9)
-    within("max_order", max_order, 1, 4)
-    within("max_hidden", max_hidden, 0, 3)
+    whole("max_order", max_order, 1, 4)
+    whole("max_hidden", max_hidden, 0, 3)
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="name")
     heat = (heat,) if isinstance(heat, str) else tuple(heat)
     if heat and model == "parts":
         raise InputError("found columns that heat the motor; parts take none, expected a network", place="heat")
+    if drives and model == "parts":
+        raise InputError("found what the input drives; parts know nothing of that, expected a network", place="drives")
     options = Options(Settings(name, sample_time, full_scale, rpm), ambient, max_order, max_hidden, heat, drives)
     with run_files(runs) as paths:
         progress("reading")

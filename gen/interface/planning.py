@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gen.errors import InputError
-from gen.interface.arguments import several, within
+from gen.interface.arguments import several, whole, within
 from gen.interface.files import RunLike, run_files
 from gen.interface.model import Model
 from gen.interface.reported import Progress, silent
@@ -140,7 +140,7 @@ def plan(
     within("hours", hours, 0.5, 48.0)
     within("margin_K", margin_K, 0.0, 1000.0)
     if max_pwm is not None:
-        within("max_pwm", max_pwm, 1, 255)
+        whole("max_pwm", max_pwm, 1, 255)
     if model.coefficients.model.network is None:
         file = None if model.path is None else str(model.path)
         raise InputError("holds transfer functions; gen plan needs a network", file=file, place="$.components")

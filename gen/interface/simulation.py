@@ -49,7 +49,7 @@ def simulate(
     Raises
     ------
     InputError
-        If the run is none, or lacks what the model needs; for a network and another arithmetic than ``exact``.
+        If the run is none, or lacks what the model needs.
     CheckFailed
         If the model cannot be lowered to the board's arithmetic.
 

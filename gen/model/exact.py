@@ -72,16 +72,20 @@ class ExactSolution:
         dict
             Rise in K by component, shape (N + 1,) or (L, N + 1); entry k is at k Ts, before sample k acts.
         """
-        solved = self._states(pwm_samples, initial_rise, keep=1, over=over)[0]
-        return {name: states[..., 0] for name, states in solved.items()}
-
-    def simulate_states(
-        self, pwm_samples: ArrayLike, initial_rise: Mapping[str, ArrayLike] | None = None
-    ) -> dict[str, FloatArray]:
-        """Solve as :meth:`simulate`; give the state (T, T', ...), shape (..., N + 1, order), in K/s^k."""
-        solved, tau = self._states(pwm_samples, initial_rise, keep=4)
-        for component in self.model.components:
-            solved[component.name] /= tau[component.name] ** np.arange(component.order)
+        counts = magnitude(pwm_samples)
+        start = self._start(initial_rise)
+        used = np.unique(counts)
+        solved: dict[str, FloatArray] = {}
+        for position, component in enumerate(self.model.components):
+            steps = self._grid_steps(position, used)
+            x = np.zeros((*counts.shape[:-1], component.order))
+            x[..., 0] = np.asarray(start.get(component.name, 0.0), dtype=np.float64)
+            out = np.empty((*counts.shape[:-1], counts.shape[-1] + 1, 1))
+            if counts.ndim == 1:
+                _run(steps, counts, x, out, over)
+            else:
+                _run_lanes(steps, counts, x, out, over)
+            solved[component.name] = out[..., 0]
         return solved
 
     def simulate_times(
@@ -209,32 +213,6 @@ class ExactSolution:
                 component, _time_scale(component), np.array([counts]), np.array([step_s])
             )
         return self._intervals[key]
-
-    def _states(
-        self,
-        pwm_samples: ArrayLike,
-        initial_rise: Mapping[str, ArrayLike] | None,
-        keep: int,
-        over: FloatArray | None = None,
-    ) -> tuple[dict[str, FloatArray], dict[str, float]]:
-        counts = magnitude(pwm_samples)
-        start = self._start(initial_rise)
-        used = np.unique(counts)
-        solved: dict[str, FloatArray] = {}
-        scales: dict[str, float] = {}
-        for position, component in enumerate(self.model.components):
-            steps = self._grid_steps(position, used)
-            kept = min(keep, component.order)
-            x = np.zeros((*counts.shape[:-1], component.order))
-            x[..., 0] = np.asarray(start.get(component.name, 0.0), dtype=np.float64)
-            out = np.empty((*counts.shape[:-1], counts.shape[-1] + 1, kept))
-            if counts.ndim == 1:
-                _run(steps, counts, x, out, over)
-            else:
-                _run_lanes(steps, counts, x, out, over)
-            solved[component.name] = out
-            scales[component.name] = _time_scale(component)
-        return solved, scales
 
     def _start(self, initial_rise: Mapping[str, ArrayLike] | None) -> Mapping[str, ArrayLike]:
         unknown = set(initial_rise or {}) - set(self.model.component_names)

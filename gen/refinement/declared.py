@@ -9,11 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from gen.coefficients import Coefficients
+from gen.coefficients.provenance import ERROR_WINDOWS
 from gen.runs import Run
 from gen.runs.run import FloatArray
 
-WINDOWS = 60
-"""Declared errors are those of means over this share of a run; where PWM changes a new mean begins."""
 FEWEST = 3
 """Readings that a mean is of."""
 NEARLY_ALL = 0.95
@@ -38,8 +37,8 @@ class Held:
             return ""
         return (
             f"what the file declares to be off by holds in these runs ({self.inside} of {self.of} means over a "
-            f"{WINDOWS}th of a run): what is missed may be the model's own error, or a room that is not the same all "
-            "over, and no fault"
+            f"{ERROR_WINDOWS}th of a run): what is missed may be the model's own error, or a room that is not the same "
+            "all over, and no fault"
         )
 
 
@@ -58,7 +57,8 @@ def held(model: Coefficients, run: Run, shown: Mapping[str, FloatArray]) -> Held
     provenance = model.document.provenance
     bands = provenance.error if provenance is not None else ()
     time, speed = run.time_s, np.abs(run.pwm)
-    window = np.floor((time - time[0]) / max(float(time[-1] - time[0]), 1e-9) * WINDOWS)
+    window = np.floor((time - time[0]) / max(float(time[-1] - time[0]), 1e-9) * ERROR_WINDOWS)
+    # Where PWM changes a new mean begins.
     starts = np.flatnonzero((np.diff(window) != 0.0) | (np.diff(speed) != 0)) + 1
     counted = Held()
     for name, values in shown.items():

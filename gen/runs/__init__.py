@@ -8,7 +8,7 @@ from gen.runs.head import check_head
 from gen.runs.noted import noted_ambient, with_noted_ambient
 from gen.runs.reader import Contents, check_run, read_run
 from gen.runs.run import AMBIENT, EXPECTS, Run
-from gen.runs.writer import write_columns, write_run
+from gen.runs.writer import comment_lines, write_columns, write_run
 
 __all__ = [
     "AMBIENT",
@@ -17,6 +17,7 @@ __all__ = [
     "Run",
     "check_head",
     "check_run",
+    "comment_lines",
     "noted_ambient",
     "read_run",
     "with_noted_ambient",

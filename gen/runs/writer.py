@@ -52,19 +52,30 @@ def write_columns(
     InputError
         When the file cannot be written.
     """
-    for text in (*columns, *(f"{key}{value}" for key, value in (comments or {}).items())):
-        if "\n" in text or "\r" in text:
-            raise ValueError(f"a line break in {text!r} would break the file")
-    if any(":" in key for key in comments or {}):
-        raise ValueError("a comment's key ends at its first colon, so it cannot hold one")
+    head = comment_lines(comments or {})
     for name in columns:
-        if not name or set(name) & set(',"#') or name != name.strip():
+        if "\n" in name or "\r" in name or not name or set(name) & set(',"#') or name != name.strip():
             raise ValueError(f"{name!r} cannot be a column's name")
     import pandas as pd  # slow to import: reading does without
 
     with replacing(Path(path)) as stream:
         lines = TextIOWrapper(stream, encoding="utf-8", newline="")
-        for key, value in (comments or {}).items():
-            lines.write(f"# {key}: {value}\n" if value else f"# {key}\n")
+        lines.write(head)
         pd.DataFrame(dict(columns)).to_csv(lines, index=False, lineterminator="\n")
         lines.detach()
+
+
+def comment_lines(comments: Mapping[str, str]) -> str:
+    """Give the lines that come before a run's header: ``# key: value``, and ``# key`` where nothing is said of it.
+
+    Raises
+    ------
+    ValueError
+        When a line break, or a colon in a key, would make something else of them.
+    """
+    for text in (f"{key}{value}" for key, value in comments.items()):
+        if "\n" in text or "\r" in text:
+            raise ValueError(f"a line break in {text!r} would break the file")
+    if any(":" in key for key in comments):
+        raise ValueError("a comment's key ends at its first colon, so it cannot hold one")
+    return "".join(f"# {key}: {value}\n" if value else f"# {key}\n" for key, value in comments.items())

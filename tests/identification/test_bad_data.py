@@ -112,6 +112,23 @@ def test_a_step_without_change_of_pwm_is_enough(tmp_path: Path) -> None:
     assert "next run: PWM" in done.stdout
 
 
+def test_a_run_shorter_than_what_is_looked_for_in_it_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    write_run(path, step())
+    done = gen_identify(tmp_path, path, "--model", "parts", "--sample-time", "3600")
+    assert done.returncode == 2
+    assert "no time constant below 1.08e+05 s is looked for" in done.stderr
+    assert not (tmp_path / "coeffs.json").exists()
+
+
+def test_a_hot_start_is_not_called_fahrenheit() -> None:
+    """60 K above a room of 30 degC: in Fahrenheit that would be 32 degC, and 100 K above it 54."""
+    run = step()
+    for rise, said in ((60.0, True), (100.0, False)):
+        hot = Run(run.time_s, run.pwm, {"brush": run.temps["brush"] + rise}, run.ambient)
+        assert any("Fahrenheit" in w for w in make_data([Source("run.csv", hot)], None).warnings) is said
+
+
 def test_fahrenheit_is_suspected() -> None:
     run = step()
     hot = Run(run.time_s, run.pwm, {"brush": run.temps["brush"] * 1.8 + 32.0}, run.ambient)

@@ -127,6 +127,12 @@ def test_a_model_is_saved_as_it_was_read(motor: gen.Model, tmp_path: Path) -> No
         motor.save(tmp_path / "no folder" / "copy.json")
 
 
+def test_attributes_of_a_frame_that_no_run_file_holds_are_no_fault_of_its_rows(motor: gen.Model) -> None:
+    run = frame((0.0, 100), (10.0, 100))
+    run.attrs.update({"note": "first\nsecond", "https://a": "b", "ambient_degC": 22})
+    assert gen.simulate(motor, run).index.tolist() == [0.0, 10.0]
+
+
 def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Path) -> None:
     run = frame((0.0, 100), (10.0, 100))
     wrong: list[tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = [
@@ -137,7 +143,10 @@ def test_a_wrong_argument_is_told_before_any_work(motor: gen.Model, tmp_path: Pa
         (gen.identify, (run,), {}, "runs: found a DataFrame, expected a list of runs"),
         (gen.identify, ("run.csv",), {}, "runs: found a str, expected a list of runs"),
         (gen.identify, ([],), {}, "runs: found no run, expected at least one"),
-        (gen.identify, ([run],), {"max_order": 9}, "max_order: found 9, expected a number from 1 to 4"),
+        (gen.identify, ([run],), {"max_order": 9}, "max_order: found 9, expected a whole number from 1 to 4"),
+        (gen.identify, ([run],), {"max_hidden": 1.5}, "max_hidden: found 1.5, expected a whole number from 0 to 3"),
+        (gen.identify, ([run],), {"full_scale": 254.5}, "full_scale: found 254.5, expected a whole number"),
+        (gen.identify, ([run],), {"model": "parts", "drives": "heater"}, "parts know nothing of that"),
         (gen.identify, ([run],), {"ambient": float("nan")}, "ambient: found nan"),
         (gen.identify, ([run],), {"ambient": -280.0}, "ambient: found -280.0, expected a number from -273.15 to 1000"),
         (gen.refine, (motor,), {"fit": [], "test": [run]}, "fit: found no run"),

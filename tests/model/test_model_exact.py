@@ -111,19 +111,6 @@ def test_sign_of_rotation_does_not_matter() -> None:
     assert np.array_equal(solution.simulate(RANDOM[:99])["brush"], solution.simulate(-RANDOM[:99])["brush"])
 
 
-def test_states_are_derivatives() -> None:
-    thermal = model("my1016")
-    states = ExactSolution(thermal).simulate_states(np.full(4000, 200))["brush"]
-    assert states.shape == (4001, 3)
-    slope = (states[2:, 0] - states[:-2, 0]) / (2 * thermal.sample_time)
-    # The difference quotient is off by h^2/6 max|T'''| < 7e-9 K/s here.
-    assert np.max(np.abs(slope - states[1:-1, 1])) < 1e-8
-    a, b = thermal.component("brush").state_matrices([200])
-    jerk = (states[2:, 2] - states[:-2, 2]) / (2 * thermal.sample_time)
-    expected = (states @ a[0].T + b[0] * 200)[1:-1, 2]
-    assert np.max(np.abs(jerk - expected)) < 1e-5 * np.max(np.abs(expected))
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 400), st.integers(-255, 255)), min_size=1, max_size=12))
 def test_irregular_times_agree_with_the_grid(rows: list[tuple[int, int]]) -> None:

@@ -16,7 +16,7 @@ from gen.reference.simulate import simulate_run
 from gen.runs import with_noted_ambient
 
 BLOCKS = 8
-"""Each left-out run or stretch is cut into so many of equal time, to see by how much an error varies."""
+"""Each left-out run or stretch is cut into so many of equal time that count alike, however dense their readings are."""
 
 
 @dataclass(frozen=True)

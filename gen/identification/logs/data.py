@@ -15,6 +15,7 @@ from gen.errors import InputError
 from gen.identification.drive import common_drive, machine_of
 from gen.identification.logs.ambients import ambients_of
 from gen.identification.logs.believed import believed_run
+from gen.identification.logs.fahrenheit import fahrenheit
 from gen.identification.logs.records import Record, condense
 from gen.identification.logs.room_followers import followers
 from gen.identification.logs.sources import Source, read_sources
@@ -88,18 +89,29 @@ def make_data(sources: Sequence[Source], ambient: float | None) -> Data:
     warnings = [f"{source.path}: {source.run.thinned}" for source in sources if source.run.thinned]
     sources = [sound(source, warnings) for source in sources]
     warnings += apart(sources)
-    if not any(np.any(source.run.pwm != 0) for source in sources):
-        raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
+    check_rows(sources)
     names = components_of(sources)
-    for source in sources:
-        if len(source.run.time_s) < FEWEST:
-            count = len(source.run.time_s)
-            raise InputError(f"found {count} row(s), expected at least {FEWEST} to identify from", file=source.path)
     ambients = ambients_of(sources, ambient, warnings)
     records = _records(sources, names, ambients.levels, warnings)
-    warnings += [*_fahrenheit(records), *followers(sources, list(records))]
+    warnings += [*fahrenheit(sources, ambients.levels), *followers(sources, list(records))]
     measured = all(s.run.ambient is not None and np.isfinite(s.run.ambient).any() for s in sources)
     return Data(tuple(sources), records, ambients.fixed(ambient), measured, tuple(dict.fromkeys(warnings)))
+
+
+def check_rows(sources: Sequence[Source]) -> None:
+    """Refuse runs in which nothing turns, or that are too short.
+
+    Raises
+    ------
+    InputError
+        With the run's file.
+    """
+    if not any(np.any(source.run.pwm[:-1] != 0) for source in sources):  # the last row's PWM acts on nothing
+        raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
+    for source in sources:
+        rows = len(source.run.time_s)
+        if rows < FEWEST:
+            raise InputError(f"found {rows} row(s), expected at least {FEWEST} to identify from", file=source.path)
 
 
 def sound(source: Source, warnings: list[str]) -> Source:
@@ -200,17 +212,6 @@ def _useless(records: list[Record]) -> str:
     if not any(np.any(record.segments.pwm != 0) for record in records):
         return "PWM is 0 whenever it is measured"
     return ""
-
-
-def _fahrenheit(records: dict[str, tuple[Record, ...]]) -> list[str]:
-    """Suspect Fahrenheit: every cold component at once 40 K or more over ambient, and at ambient when converted."""
-    firsts = np.array([float(r.raw_rise[0]) for of in records.values() for r in of])
-    if len(firsts) and np.all(firsts > 30.0) and np.ptp(firsts) < 6.0:
-        return [
-            f"every run begins {firsts.mean():.0f} K above ambient: are the temperatures in Fahrenheit? "
-            "degC is expected; they are taken as they are, as a warm start"
-        ]
-    return []
 
 
 def held_speeds(records: Sequence[Record]) -> NDArray[np.int64]:

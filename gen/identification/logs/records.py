@@ -21,7 +21,7 @@ GROWTH = 0.03
 FINEST = 1.0 / 180.0
 """Largest block, as a share of the run."""
 MOST_SEGMENTS = 400
-"""A run with more changes of PWM is averaged over windows of this share of it (see `response.mixed_poles`)."""
+"""A run with more changes of PWM is averaged over windows, half as many as this (see `response.mixed_poles`)."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Record:
         Scatter of a single sample about its neighbours, standard deviation, K; without that of the ambient.
     quantum_K
         The sensor's resolution as seen in the data, K; 0 where none is visible.
-    raw_time, raw_rise, raw_over
+    raw_time, raw_rise, raw_over, raw_segment
         The samples themselves.
     """
 
@@ -218,7 +218,7 @@ def condense(
     over = np.zeros(valid.size) if isinstance(ambient, float) else ambient[valid] - reference
     at = time[valid] - time[first]
     value = rise[valid]
-    # A sample at the moment of a change is still the old segment's end (the response is continuous).
+    # A sample at the moment of a change is the new segment's first; the response is continuous, so either would do.
     owner = np.clip(np.searchsorted(segments.start, at, side="right") - 1, 0, len(segments.start) - 1)
     block = _blocks(at, owner, segments)
     edges = np.flatnonzero(np.diff(block, prepend=-1))

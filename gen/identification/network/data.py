@@ -10,7 +10,8 @@ import numpy as np
 from gen.errors import InputError
 from gen.identification.drive import common_drive, machine_of
 from gen.identification.logs.ambients import UNKNOWN_K, ambients_of
-from gen.identification.logs.data import FEWEST, MOVES_K, apart, components_of, sound
+from gen.identification.logs.data import FEWEST, MOVES_K, apart, check_rows, components_of, sound
+from gen.identification.logs.fahrenheit import fahrenheit
 from gen.identification.logs.records import resolution
 from gen.identification.logs.room_followers import followers
 from gen.identification.logs.sources import Source
@@ -145,6 +146,7 @@ def make_network_data(
     names = _reacting(sources, components_of(sources), warnings)
     warnings += followers(sources, names)
     ambients = ambients_of(sources, ambient, warnings, estimated=True)
+    warnings += fahrenheit(sources, ambients.levels)
     stems = [source.name for source in sources]
     labels = stems if len(set(stems)) == len(stems) else [source.path for source in sources]
     driving = driving_of(sources, heat)
@@ -182,12 +184,9 @@ def make_network_data(
 
 
 def _check(sources: Sequence[Source], full_scale: int) -> None:
-    if not any(np.any(source.run.pwm[:-1] != 0) for source in sources):  # the last row's acts on nothing
-        raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
+    check_rows(sources)
     for source in sources:
-        rows, high = len(source.run.time_s), int(np.abs(source.run.pwm).max())
-        if rows < FEWEST:
-            raise InputError(f"found {rows} row(s), expected at least {FEWEST} to identify from", file=source.path)
+        high = int(np.abs(source.run.pwm).max())
         if high > full_scale:
             message = f"found |PWM| {high}, over the full scale of {full_scale}; expected another --full-scale"
             raise InputError(message, file=source.path, place="column pwm")

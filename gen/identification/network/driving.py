@@ -11,6 +11,7 @@ import numpy as np
 from gen.errors import InputError
 from gen.identification.logs.sources import Source
 from gen.identification.network.fitting.bins import FloatArray
+from gen.runs.gaps import held_over_gaps
 
 _WRITTEN = re.compile(r"(?P<column>[A-Za-z]\w*?)(\^(?P<power>[12]))?", re.ASCII)
 _SQUARED = ("_A", "_Nm")
@@ -122,6 +123,4 @@ def values_of(source: Source, column: str) -> FloatArray:
         raise InputError(
             f"found no values of {column}, which is to heat the motor; its columns: {held}", file=source.path
         )
-    good = np.flatnonzero(np.isfinite(values))
-    at = np.maximum(np.searchsorted(good, np.arange(values.size), side="right") - 1, 0)
-    return np.asarray(values[good[at]], dtype=np.float64)
+    return held_over_gaps(values)

@@ -139,7 +139,7 @@ def flows(found: Found) -> tuple[FloatArray, FloatArray, FloatArray]:
     problem = found.problem
     structure, inputs = problem.structure, problem.inputs
     physics = structure.physical(inputs.levels, found.vector)
-    ends = np.column_stack([found.fit.evaluated.after, inputs.ambient])
+    ends = np.column_stack([found.fit.evaluated.after, problem.ambient(found.vector)])
     conductance = physics.conductance[inputs.level]
     most = [
         float(np.max(np.abs(conductance[:, q] * (ends[:, i] - ends[:, j])))) for q, (i, j) in enumerate(structure.paths)

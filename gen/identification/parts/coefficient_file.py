@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gen.coefficients import Coefficients, Document, dump, parse
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
-from gen.coefficients.provenance import ErrorBand, Provenance
+from gen.coefficients.provenance import ERROR_WINDOWS, ErrorBand, Provenance
 from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.drive import input_entry
@@ -24,9 +24,6 @@ from gen.identification.parts.identify import Identified
 from gen.identification.parts.schedule_entries import component_entry
 from gen.identification.parts.structure import FloatArray
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
-
-WINDOW = 60
-"""Errors are those of means over this share of a run: the sensor's noise is not the model's error."""
 
 
 def coefficient_text(
@@ -231,7 +228,7 @@ def _nearest(item: Identified, level: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _means(time: FloatArray, error: FloatArray, count: FloatArray, duration: float) -> FloatArray:
-    index = np.floor(time / duration * WINDOW).astype(np.int64)
+    index = np.floor(time / duration * ERROR_WINDOWS).astype(np.int64)
     index -= index.min()
     total, weight = np.bincount(index, error * count), np.bincount(index, count)
     return np.asarray(total[weight > 0] / weight[weight > 0], dtype=np.float64)

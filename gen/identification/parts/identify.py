@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.coefficients.checks.model_checks import FASTEST as FASTEST_OF_A_FILE
 from gen.identification.logs.data import Data
 from gen.identification.logs.records import Record
 from gen.identification.parts.bands import Band, band
@@ -94,8 +95,9 @@ class Identified:
         return bool(self.fit.layout.nodes[0] == 0)
 
 
-FASTEST = 30.0
-"""Time constants shorter than this many steps of the board are not looked for; the lowering takes 10."""
+FASTEST = 3.0 / FASTEST_OF_A_FILE
+"""Time constants shorter than this many steps of the board are not looked for: three times what a file must keep to, as
+a pair's faster pole, and a curve between two speeds, come out faster than what was fitted."""
 
 
 def identify(

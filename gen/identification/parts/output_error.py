@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from gen.errors import InputError
 from gen.identification.logs.records import Record, levels_of
 from gen.identification.parts.response import mixed_poles, simulate
 from gen.identification.parts.structure import FloatArray, PoleArray, Structure
@@ -29,6 +30,8 @@ OFFSET_PRIOR = 1.1
 """Prior standard deviation of a sensor's offset, K: the tolerance of a type K thermocouple with its amplifier."""
 
 LARGEST_ZETA = 4.0
+SLOWEST = 100.0
+"""Longest time constant that is looked for, over the longest run."""
 """A pair with more damping is two real poles a factor of 60 apart: no pair."""
 
 
@@ -219,6 +222,12 @@ class OutputErrorProblem:
     def __init__(self, records: Sequence[Record], nodes: NDArray[np.int64], fastest: float = 0.0) -> None:
         self.records = tuple(records)
         self.fastest = max(fastest, 2.0 * min(record.sample_s for record in records))
+        longest = max(record.duration for record in records)
+        if SLOWEST * longest <= 2.0 * LARGEST_ZETA * self.fastest:
+            raise InputError(
+                f"{records[0].run}: the longest run takes {longest:.3g} s, and no time constant below "
+                f"{self.fastest:.3g} s is looked for: log longer, or give a shorter --sample-time"
+            )
         self.nodes = nodes
         self.levels = levels_of(records)
         self.simulators = [Simulator(record, self.levels) for record in records]
@@ -314,7 +323,7 @@ class OutputErrorProblem:
         longest = max(record.duration for record in self.records)
         low = np.full(layout.size, -np.inf)
         high = np.full(layout.size, np.inf)
-        low[: layout.thetas], high[: layout.thetas] = np.log(self.fastest), np.log(100.0 * longest)
+        low[: layout.thetas], high[: layout.thetas] = np.log(self.fastest), np.log(SLOWEST * longest)
         if layout.structure.pair:
             # The pair's faster pole is up to 2 zeta omega.
             omega, zeta = np.arange(layout.thetas).reshape(-1, layout.order)[:, -2:].T

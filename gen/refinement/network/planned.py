@@ -89,7 +89,8 @@ class Settled:
         By how much the worse of both predicts what was left out of that run worse, in noise floors; None where one of
         them was not among those judged.
     remains
-        Which of both remain: as the name, or among its look-alikes.
+        Which of both remain: as the name, or among its look-alikes. None where what they were to be told apart beside
+        is found no more, so that nobody asked.
     """
 
     run: str
@@ -97,17 +98,19 @@ class Settled:
     second: str
     expected_floors: float
     found_floors: float | None
-    remains: tuple[str, ...]
+    remains: tuple[str, ...] | None
 
     @property
-    def told(self) -> bool:
-        """Whether not both remain."""
-        return len(self.remains) < 2
+    def told(self) -> bool | None:
+        """Whether not both remain; None where nobody asked."""
+        return None if self.remains is None else len(self.remains) < 2
 
     @property
     def sentence(self) -> str:
         """For people."""
         asked = f"{self.run}: was to tell {self.first} from {self.second} by {self.expected_floors:.1f} noise floors"
+        if self.remains is None:
+            return f"{asked}: what was found before is found no more, so that is no question now"
         found = "" if self.found_floors is None else f", by {self.found_floors:.1f}"
         if not self.told:
             return f"{asked}: it did not{found}, both remain"
@@ -168,7 +171,7 @@ def followed(expected: Expectation, run: Run) -> float:
 
 def _settled(name: str, number: int, pair: Pair, step: Step | None, traced: Traced) -> Settled:
     if step is None:
-        return Settled(name, pair.first, pair.second, pair.floors, None, ())
+        return Settled(name, pair.first, pair.second, pair.floors, None, None)
     left = _names(step)
     remains = tuple(one for one in (pair.first, pair.second) if one in left)
     first, second = (_judged(step, one) for one in (pair.first, pair.second))

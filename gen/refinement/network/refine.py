@@ -212,7 +212,7 @@ def _not_kept(traced: Traced) -> list[str]:
 
 def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: WarmStart) -> list[dict[str, Any]]:
     """What was found as the summary has it, of that which is named."""
-    made = [] if room is None else [ambient_entry(room)]
+    made = [] if room is None else [ambient_entry(room, traced.data.later)]
     for step, change, told in zip(traced.steps, found.changes, found.named, strict=False):
         assert step.added is not None  # the last search alone may have added nothing
         if told:

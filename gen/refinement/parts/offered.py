@@ -20,8 +20,8 @@ def offered(coefficients: Coefficients, runs: Sequence[Condensed], whole: Stacke
     """What the data offer to explain one component's residual with."""
     model = coefficients.model
     c = whole.components.index(name)
-    counts = np.concatenate([np.repeat(np.rint(run.pwm), np.minimum(run.weight, 1.0).astype(int)) for run in runs])
-    spans = np.concatenate([np.diff(run.edges) for run in runs])[: counts.size]
+    counts = np.concatenate([np.rint(run.pwm).astype(np.int64) for run in runs])
+    spans = np.concatenate([np.diff(run.edges) for run in runs])
     middle = (whole.track.count > 0).any() and np.median(whole.track.rate[:, c][whole.weight[:, c] > 0])
     return Setting(
         component=name,
@@ -43,12 +43,12 @@ def _varies(runs: Sequence[Condensed], key: str) -> bool:
 
 
 def _levels(counts: np.ndarray, spans: np.ndarray) -> tuple[int, ...]:
-    """|PWM| at which the motor ran for at least 3 % of the time, at most eight and not closer than 8 counts."""
-    time = np.bincount(counts.astype(int), spans, PWM_LEVELS)
+    """|PWM| at which the motor ran for at least 3 % of the time: eight at most beside rest, 8 counts apart."""
+    time = np.bincount(counts, spans, PWM_LEVELS)
     chosen: list[int] = [0] if time[0] > 0.01 * time.sum() else []
     near = np.convolve(time, np.ones(5), mode="same")
     for level in np.argsort(-near):
-        if near[level] < 0.03 * time.sum() or len(chosen) >= 9:
+        if near[level] < 0.03 * time.sum() or len(chosen) >= 8 + (0 in chosen):
             break
         if level > 2 and all(abs(int(level) - other) >= 8 for other in chosen):
             window = np.arange(max(level - 2, 1), min(level + 3, PWM_LEVELS))

@@ -7,8 +7,13 @@ from typing import cast
 
 import numpy as np
 
-from gen.identification.network.fitting.inputs import Inputs
+from gen.identification.network.fitting.bins import binned
+from gen.identification.network.fitting.inputs import Inputs, inputs_of
+from gen.identification.network.fitting.priors import ROOM_STEP_K, prior_of
 from gen.identification.network.fitting.rooms import level_of, places_of, share_level, unsure_K
+from gen.identification.network.fitting.scale import scale_of
+from gen.identification.network.fitting.structure import full
+from gen.runs import Run
 
 DEVIATION_K = 4.0
 PLACES = np.array([1, 2, 4])
@@ -48,3 +53,21 @@ def test_only_rooms_that_nobody_noted_are_unsure() -> None:
     assert unsure_K(inputs) == 3.0
     # Ten parameters for all runs; then of each run three starts and two hats.
     assert places_of(inputs, 10, 3).tolist() == [18, 19, 23, 24]
+
+
+def test_a_room_moves_by_as_much_in_ten_minutes_whatever_other_runs_are_there() -> None:
+    """Half a kelvin in an hour, as a random walk: a fifth of one in ten minutes, beside a run of twelve hours, too."""
+    runs = []
+    for hours in (1.0 / 6.0, 12.0):
+        time = np.arange(0.0, 3600.0 * hours, 5.0)
+        warm = np.asarray(22.0 + 30.0 * (1.0 - np.exp(-time / 1200.0)))
+        run = Run(time, np.where(time < time[-1] / 2.0, 200, 0).astype(np.int64), {"part": warm})
+        runs.append(binned(f"{hours:.2f} h", run, ["part"], 22.0, 255, room_K=3.0))
+    inputs = inputs_of(runs)
+    structure = full(("part",), 0)
+    covariance = np.linalg.inv(prior_of(structure, inputs, scale_of(inputs)).precision)
+    hats = inputs.room.shape[-1]
+    first = structure.size + structure.nodes
+    ends = np.array([first, first + hats - 1])
+    difference = covariance[ends[0], ends[0]] + covariance[ends[1], ends[1]] - 2.0 * covariance[ends[0], ends[1]]
+    assert 0.5 * ROOM_STEP_K / np.sqrt(6.0) < np.sqrt(difference) < 1.01 * ROOM_STEP_K / np.sqrt(6.0)

@@ -186,8 +186,6 @@ def _edges(time: FloatArray, level: FloatArray, longest: float) -> FloatArray:
         at, width = start, shortest
         while stop - at >= 1.5 * width:
             at += width
-            if stop - at < 1e-9:
-                break
             edges.append(at)
             while 2.0 * width <= longest and GROWTH * (at - start) >= 2.0 * width:
                 width *= 2.0

@@ -45,6 +45,6 @@ def divided_differences(
                     other = h * h * (0.5 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x / 30.0)))
                 else:
                     # phi(a) = int_0^h e^(at) dt, so its divided difference follows from that of e^(lh).
-                    other = (one - phi[at, j]) / a
+                    other = (one - phi[at, i]) / b
                 first[at, i, j] = first[at, j, i] = one
                 second[at, i, j] = second[at, j, i] = other

@@ -44,15 +44,12 @@ class Fit:
         With the priors.
     evaluated, normal
         There.
-    iterations
-        How many linearisations it took.
     """
 
     vector: FloatArray
     cost: float
     evaluated: Evaluated
     normal: Normal
-    iterations: int
 
 
 def approach(problem: Problem[Shape], start: FloatArray, most: int, tolerance: float = TOLERANCE) -> Fit:
@@ -98,7 +95,7 @@ def approach(problem: Problem[Shape], start: FloatArray, most: int, tolerance: f
         iteration += 1
         if small:
             break
-    return Fit(vector, cost, evaluated, normal, iteration)
+    return Fit(vector, cost, evaluated, normal)
 
 
 def settle(
@@ -152,7 +149,7 @@ def settle(
         iteration += 1
         if small >= 2:
             break
-    return Fit(vector, cost, evaluated, normal, iteration)
+    return Fit(vector, cost, evaluated, normal)
 
 
 class Trust:

@@ -10,12 +10,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen.coefficients.checks.model_checks import FASTEST as FASTEST_OF_A_FILE
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.physics import Shape
 
-FASTEST = 20.0
-"""No node follows its neighbours, and no two nodes each other, within fewer steps of the board."""
+FASTEST = 2.0 / FASTEST_OF_A_FILE
+"""No node follows its neighbours, and no two nodes each other, within fewer steps of the board: twice what a file must
+keep to, as channels and the file's own curves may yet make it faster between the speeds looked at."""
 MARGIN = 1.02
 """Times as slow as that is what is looked for: a penalty gives way a little."""
 UNIT = 0.01

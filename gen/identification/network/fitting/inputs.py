@@ -31,8 +31,8 @@ START_K = 0.2
 WARM_K = 10.0
 """Of the start of a node of which nothing is known, K."""
 TURNS = 0.1
-"""Share of what turns at most in any bin, from which a bin is one in which the motor turns: an input that is switched on
-and off within seconds, as a heater's is, may rest for most of every bin."""
+"""Share of what turns at most in any bin, from which a bin is one in which the motor turns: an input that is switched
+on and off within seconds, as a heater's is, may rest for most of every bin."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ from gen.identification.network.fitting.inputs import Inputs, held, joined, turn
 from gen.identification.network.fitting.structure import Structure
 from gen.model.network_past import SPEEDS, Dynamics, speeds_of_pasts, start_weights
 
-FULL_SCALE = 255
+WHOLE = 1
+"""Full scale of speeds that are shares of it."""
 
 
 def past_weights(structure: Structure, vector: FloatArray, inputs: Inputs) -> FloatArray | None:
@@ -32,9 +33,7 @@ def past_weights(structure: Structure, vector: FloatArray, inputs: Inputs) -> Fl
     if not structure.hidden or not turned.size:
         return None
     speeds = speeds_of_pasts(float(turned.min()), float(turned.max()))
-    physics = structure.physical(
-        joined(held(np.zeros(1), FULL_SCALE), turning(speeds * FULL_SCALE, FULL_SCALE)), vector
-    )
+    physics = structure.physical(joined(held(np.zeros(1), WHOLE), turning(speeds, WHOLE)), vector)
     count = physics.capacity.size
     each = []
     for at in range(1 + SPEEDS):

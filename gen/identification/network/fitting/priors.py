@@ -17,7 +17,7 @@ import numpy as np
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.driven import known
 from gen.identification.network.fitting.growing import UNSURE_PER_K, USUAL_PER_K
-from gen.identification.network.fitting.inputs import START_K, Inputs
+from gen.identification.network.fitting.inputs import ROOM_S, START_K, Inputs
 from gen.identification.network.fitting.rooms import places_of, share_level, unsure_K
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.speed_laws import ALL_AT_REST, CONSTANT, HEAT, OUTSIDE, WITHIN
@@ -40,7 +40,7 @@ ROOM_K = 1.5
 COLD_ROOM_K = 0.3
 """The same where a run begins as warm as its room: its sensors read that, each a little off."""
 ROOM_STEP_K = 0.5
-"""Of its change between two hats (an hour), K."""
+"""Of its change in an hour, K."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +111,12 @@ def prior_of(structure: Structure, inputs: Inputs, scale: Scale) -> Prior:
         mean[place], precision[place, place] = middle, apart**-2
     _join_at_rest(structure, precision)
     for r in range(len(inputs.runs)):
-        at = shared + r * own + nodes
-        for b in range(own - nodes - 1):
+        at, hats = shared + r * own + nodes, own - nodes
+        # A walk: the variance grows with the time between two hats, and a short run has them close together.
+        apart_K = ROOM_STEP_K * np.sqrt(inputs.runs[r].duration / max(hats - 1, 1) / ROOM_S)
+        for b in range(hats - 1):
             pair = np.ix_([at + b, at + b + 1], [at + b, at + b + 1])
-            precision[pair] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / ROOM_STEP_K**2
+            precision[pair] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / apart_K**2
     unsure = unsure_K(inputs)
     if unsure > 0.0:
         share_level(precision, places_of(inputs, shared, nodes), unsure)

@@ -7,12 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.coefficients.provenance import ERROR_WINDOWS
 from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.left_out import LeftOut, Mask
 
-WINDOWS = 60
-"""Errors are means over this share of a run: a sensor's noise is not the model's error."""
 LEAST_SHARE = 0.2
 """Windows that are covered less than others by this factor do not count."""
 MOST_BANDS = 6
@@ -103,7 +102,7 @@ def _band(inputs: Inputs, errors: FloatArray, pwm: tuple[int, int], full_scale: 
             if not used.size:
                 continue
             error, cover = -errors[used, s], inputs.covered[used, s]
-            window = run.duration / WINDOWS
+            window = run.duration / ERROR_WINDOWS
             index = (inputs.begins[used] // window).astype(np.int64)
             total, weight = np.bincount(index, error * cover), np.bincount(index, cover)
             whole = weight > LEAST_SHARE * weight.max()

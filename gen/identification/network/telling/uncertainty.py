@@ -109,7 +109,7 @@ def steady_of(found: Found, spread: Spread, pwm: ArrayLike, full_scale: int) -> 
 def _reached(found: Found, levels: Levels) -> FloatArray:
     """Give the highest rise of each sensed node in the runs at about each speed, shape (L, S), K; 0 where none was."""
     inputs = found.problem.inputs
-    rise = found.fit.evaluated.after[:, : len(found.structure.sensed)] - inputs.ambient[:, None]
+    rise = found.fit.evaluated.after[:, : len(found.structure.sensed)] - found.problem.ambient(found.vector)[:, None]
     turning = inputs.turns
     made = np.zeros((levels.count, rise.shape[1]))
     for k, speed in enumerate(levels.speed):

@@ -328,7 +328,7 @@ class NetworkWriter:
         wider = self._margin * (high - low)
         low, high = (0.0 if low == 0.0 else low - wider), high + wider
         low, high = six_digits(low), six_digits(high)
-        neutral = min(max(0.0, low), high) if low <= 0.0 <= high else six_digits(0.5 * (low + high))
+        neutral = 0.0 if low <= 0.0 <= high else six_digits(0.5 * (low + high))
         self._replace(channels=(*self.entry.channels, ChannelEntry(column=column, range=(low, high), neutral=neutral)))
 
 
