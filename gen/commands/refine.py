@@ -138,6 +138,9 @@ def _say(found: Refinement | NetworkRefinement) -> None:
         if effect.get("changed"):
             held = "OUT holds it as --accept-change asks" if effect["written"] else "OUT does not hold it"
             click.echo(f"    this has changed since the file was made, or the file was wrong there; {held}")
+            left = effect["evidence"]["left_out_rmse_K"]
+            with_it, without = f"{left['after']:.2f} K", f"{left['before']:.2f} K"
+            click.echo(f"    what was left out is predicted to {with_it} with it, to {without} without")
         for other in effect["evidence"]["lookalikes"]:
             click.echo(f"    could as well be {other['name']}; to tell: {other['told_apart_by']}")
     if not found.effects and found.summary().get("refitted"):

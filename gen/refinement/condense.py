@@ -20,7 +20,7 @@ from gen.model.dynamics import PWM_LEVELS, ThermalModel
 from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
 from gen.replay import Inputs, ambient_column, check_inputs, check_meaning, inputs_of, read_for
-from gen.runs import Run, check_run
+from gen.runs import Run, check_run, noted_in
 from gen.runs.run import FloatArray, board_columns
 
 BINS = 240
@@ -142,7 +142,9 @@ def check_measured(coefficients: Coefficients, path: Path) -> None:
     found = check_run(path)
     check_meaning(coefficients, found.comments, str(path))
     _check_measured(model, found.filled, found.rows, str(path))
-    ambient = ambient_column(coefficients) in found.filled
+    # As `read_for` has it: a comment stands for a column where the file has no fixed ambient.
+    said = model.ambient_fixed is None and noted_in(found.comments, str(path)) is not None
+    ambient = said or ambient_column(coefficients) in found.filled
     check_inputs(coefficients, found.filled - board_columns(found.filled), ambient, str(path))
 
 

@@ -5,7 +5,7 @@ a missing sample (NaN here). ``time_s`` and ``pwm`` must be there in every row; 
 """
 
 from gen.runs.head import check_head
-from gen.runs.noted import noted_ambient, with_noted_ambient
+from gen.runs.noted import noted_ambient, noted_in, with_noted_ambient
 from gen.runs.reader import Contents, check_run, read_run
 from gen.runs.run import AMBIENT, EXPECTS, Run
 from gen.runs.writer import comment_lines, write_columns, write_run
@@ -19,6 +19,7 @@ __all__ = [
     "check_run",
     "comment_lines",
     "noted_ambient",
+    "noted_in",
     "read_run",
     "with_noted_ambient",
     "write_columns",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
 
@@ -29,7 +30,12 @@ def noted_ambient(run: Run, file: str) -> float | None:
     InputError
         When what is noted is no temperature.
     """
-    noted = run.comments.get(AMBIENT)
+    return noted_in(run.comments, file)
+
+
+def noted_in(comments: Mapping[str, str], file: str) -> float | None:
+    """As :func:`noted_ambient`, of a run's comments alone."""
+    noted = comments.get(AMBIENT)
     if noted is None:
         return None
     try:

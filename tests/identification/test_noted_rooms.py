@@ -46,6 +46,9 @@ def test_a_run_in_yet_another_room_is_followed_from_the_room_that_it_notes(tmp_p
     shown = simulate_run(model, run, "exact", "auto", "fresh.csv")
     for name in TWO.sensed:
         assert np.sqrt(np.mean((np.asarray(shown[f"{name}_degC"]) - run.temps[name]) ** 2)) < 0.5
+    # A comment stands for the column wherever a run is taken: of what is refined from, and of what is kept for a test.
+    refined = gen.refine(gen.load(tmp_path / "motor.json"), fit=paths, test=[tmp_path / "fresh.csv"])
+    assert refined.verdict == "nothing missing"
 
 
 @pytest.mark.parametrize("make", [make_data, make_network_data])

@@ -106,12 +106,15 @@ def check_rows(sources: Sequence[Source]) -> None:
     InputError
         With the run's file.
     """
-    if not any(np.any(source.run.pwm[:-1] != 0) for source in sources):  # the last row's PWM acts on nothing
-        raise InputError("found PWM 0 in every row, expected runs in which the motor turns", file=sources[0].path)
     for source in sources:
         rows = len(source.run.time_s)
         if rows < FEWEST:
             raise InputError(f"found {rows} row(s), expected at least {FEWEST} to identify from", file=source.path)
+    # A row's PWM acts until the next one: the last row's acts on nothing.
+    if not any(np.any(source.run.pwm[:-1] != 0) for source in sources):
+        last = "" if all(source.run.pwm[-1] == 0 for source in sources) else " but the last"
+        message = f"found PWM 0 in every row{last}, expected runs in which the motor turns"
+        raise InputError(message, file=sources[0].path)
 
 
 def sound(source: Source, warnings: list[str]) -> Source:

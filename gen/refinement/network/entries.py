@@ -79,7 +79,7 @@ def effect_entry(step: Step, found: Considered, traced: Traced, change: str, *, 
     note = change or found.effect.note
     return {
         "name": found.effect.name,
-        "title": found.effect.title or (listed.title if listed else found.effect.name),
+        "title": found.effect.title_of(values) or (listed.title if listed else found.effect.name),
         "component": found.effect.component,
         "near": list(final.shape.network.near(found.effect.component)),
         "changed": bool(change),

@@ -10,6 +10,7 @@ from gen.refinement.admission import healthy
 from gen.refinement.condense import read_measured
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data, make_data
+from gen.refinement.network.mistaken import check_mistakes
 from gen.runs import Run
 
 
@@ -35,7 +36,7 @@ def prepared(
     Raises
     ------
     InputError
-        For files that are no runs, or where all of them name a fault.
+        For files that are no runs, or where all of them name a fault; for a run that a mistake in logging explains.
     """
     network = coefficients.model.network
     assert network is not None
@@ -45,5 +46,6 @@ def prepared(
         runs.append((str(path), read_measured(coefficients, path)))
     runs, warnings = healthy(runs)
     warnings += [f"{name}: {run.left_out}" for name, run in runs if run.left_out]
+    check_mistakes(coefficients, runs)
     data = make_data(coefficients, runs)
     return runs, data, Anchored.of(network, coefficients.document.input.full_scale, data.columns), warnings

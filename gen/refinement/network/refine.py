@@ -3,42 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gen.coefficients import Coefficients, parse
+from gen.coefficients import Coefficients
 from gen.reference.simulate import simulate_run
 from gen.refinement.condense import check_apart, check_measured, read_measured
 from gen.refinement.declared import Held, held
 from gen.refinement.errors import Errors, missed, said_of
-from gen.refinement.network.ambient import MovingAmbient, moving_ambient
-from gen.refinement.network.entries import ambient_entry, considered_entry, effect_entry, start_entry
+from gen.refinement.network.ambient import moving_ambient
+from gen.refinement.network.entries import considered_entry
 from gen.refinement.network.fitting.folds import described
-from gen.refinement.network.kept import Kept, could_be_a_change, kept
+from gen.refinement.network.kept import kept
+from gen.refinement.network.outcome import Found
 from gen.refinement.network.over_time.missing_heat import MissingHeat
 from gen.refinement.network.planned import Settled, settled
 from gen.refinement.network.prepared import prepared
 from gen.refinement.network.tracing.trace import Traced, trace
-from gen.refinement.network.tracing.warm_start import WarmStart, warm_start
-from gen.refinement.network.verdict import network_verdict
-from gen.refinement.network.written import Written, offered_anew, written
+from gen.refinement.network.tracing.warm_start import warm_start
+from gen.refinement.network.written import offered_anew
 from gen.refinement.run_errors import Curve, Score, compared
 from gen.refinement.verdict import Verdict
-from gen.refinement.worse import got_worse, lowered, spoiled, told_worse
+from gen.refinement.worse import got_worse, told_worse
 from gen.runs import Run
 from gen.side_by_side import side_by_side
-
-NOT_IN_ALL = (
-    "what was found for all runs together is not written, since they differ: with --accept-change it is, as their mean"
-)
-NOT_WITHOUT_THE_CHANGE = (
-    "what was found beside the change is right beside it alone: without it, it would miss the runs by more than the "
-    "file does, so it is not written either"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,43 +138,36 @@ def refine_network(
     runs, data, shape, warnings = prepared(coefficients, fit_paths, progress)
     traced = trace(data, shape, progress)
     room = moving_ambient(coefficients, runs, data, traced)
-    start = warm_start(data, traced.final)
     fixed = room is None and coefficients.model.ambient_channel is None
     sorted_out = kept(traced, [name for name, _ in runs], fixed_ambient=fixed, accept_change=accept_change)
+    start = warm_start(data, traced.final)
     start = start if len(sorted_out.effects) == len(traced.added) else start.as_the_file
-    made = written(coefficients, raw, traced, sorted_out.effects, room, start, accept_change=accept_change)
-    anew = "" if made.refitted else offered_anew(traced, named=any(sorted_out.named))
-    warnings += [*sorted_out.warnings, *(said for said in (made.refused, anew) if said)]
-    warnings += _not_kept(traced)
-    effects = _entries(traced, sorted_out, room, start)
-    kept_paths = [Path(name) for name, _ in runs]
-    before = _errors(coefficients, kept_paths, test_paths, progress)
-    after, refined = before, coefficients
-    if made.text != raw:
-        refined = parse(made.text.encode())
-        after = _errors(refined, kept_paths, test_paths, lambda what: progress(f"{what} with what was found"))
-    torn = spoiled(before, after, traced.null.noise_K) + ([NOT_IN_ALL] if sorted_out.parts_runs else [])
-    torn = [] if accept_change else torn
-    if torn and not sorted_out.parts_runs and room is None and any(sorted_out.changes):
-        torn, sorted_out, start = [], replace(sorted_out, effects=()), start.as_the_file
-        made, after, effects = Written(raw), before, _entries(traced, sorted_out, room, start)
-        warnings.append(NOT_WITHOUT_THE_CHANGE)
-    warnings += [] if torn or made.text == raw else start.warnings
-    warnings += could_be_a_change(traced.steps, sorted_out) if made.refitted and not torn else []
-    if torn:
-        made, after, effects = Written(raw), before, []
-        warnings += torn
-    elif after is not before:
-        warnings += [f"of what is written: {said}" for said in refined.warnings if said not in coefficients.warnings]
-    holds = sorted_out.holds and not made.refused
-    verdict = network_verdict(traced, start, anything=bool(effects or start.factors), holds=holds)
-    verdict = "unexplained" if torn else lowered(verdict) if got_worse(before, after) else verdict
-    if verdict == "unexplained" and not effects and (said := _within_what_is_declared(coefficients, runs)):
-        warnings.append(said)
+    paths = [Path(name) for name, _ in runs], test_paths
+    before = _errors(coefficients, *paths, progress)
+    found = Found(coefficients, raw, before, traced, room, accept_change)
+    outcome = found.outcome(
+        sorted_out,
+        start,
+        lambda refined: _errors(refined, *paths, lambda what: progress(f"{what} with what was found")),
+    )
+    nothing = outcome.verdict == "unexplained" and not outcome.effects
+    declared = _within_what_is_declared(coefficients, runs) if nothing else ""
+    anew = offered_anew(traced, declared=bool(declared)) if outcome.offers_anew else ""
+    warnings += [*(said for said in (declared, anew) if said), *outcome.warnings]
     told, ignored = settled(runs, traced)
+    after = outcome.after
     warnings += [*ignored, *said_of(test_paths, before), *told_worse(before, after), *missed(after)]
     return NetworkRefinement(
-        made.text, before, after, effects, verdict, made.refitted, traced, warnings, told, sorted_out.missing
+        outcome.made.text,
+        before,
+        after,
+        outcome.effects,
+        outcome.verdict,
+        outcome.made.refitted,
+        traced,
+        warnings,
+        told,
+        sorted_out.missing,
     )
 
 
@@ -195,30 +180,6 @@ def _within_what_is_declared(coefficients: Coefficients, runs: Sequence[tuple[st
 def _held(model: Coefficients, run: Run, name: str) -> Held:
     columns = simulate_run(model, run, "exact", "auto", name)
     return held(model, run, {part: np.asarray(columns[f"{part}_degC"], dtype=np.float64) for part in run.temps})
-
-
-def _not_kept(traced: Traced) -> list[str]:
-    """Say what was found, and is no longer there."""
-    said = [
-        f"{one.effect.component}: {one.effect.name} was found first, and is not needed beside what was found after it"
-        for one in traced.dropped
-    ]
-    return said + [
-        f"{one.effect.component}: {one.effect.name} was found, and not kept: fitted with all else a number of it ends "
-        "at its physical limit"
-        for one in traced.unsound
-    ]
-
-
-def _entries(traced: Traced, found: Kept, room: MovingAmbient | None, start: WarmStart) -> list[dict[str, Any]]:
-    """What was found as the summary has it, of that which is named."""
-    made = [] if room is None else [ambient_entry(room, traced.data.later)]
-    for step, change, told in zip(traced.steps, found.changes, found.named, strict=False):
-        assert step.added is not None  # the last search alone may have added nothing
-        if told:
-            written = step.added.effect in found.effects
-            made.append(effect_entry(step, step.added, traced, change, written=written))
-    return made + ([start_entry(start)] if start.named else [])
 
 
 def _errors(

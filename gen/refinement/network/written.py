@@ -165,28 +165,32 @@ def _held(
     return held
 
 
-def offered_anew(traced: Traced, *, named: bool) -> str:
+def offered_anew(traced: Traced, *, declared: bool) -> str:
     """Say what the file's own numbers, fitted anew, would bring where nothing was named and they are not written.
 
     Parameters
     ----------
     traced
         All that was found.
-    named
-        Whether any of it is.
+    declared
+        Whether the file misses the runs by no more than it declares: then they need be no other motor's.
 
     Returns
     -------
     str
         A sentence; empty where they would bring nothing, or are written anyway.
     """
-    if named or traced.null.floors <= NOTHING or not _file_is_worse(traced):
+    if traced.null.floors <= NOTHING or not _file_is_worse(traced):
         return ""
-    return (
+    said = (
         "no effect explains the error, but the file's own numbers, fitted anew to the rest, predict what was left out "
-        f"to {traced.null.score_K:.2g} K instead of {traced.file.score_K:.2g} K: the motor is another than the one "
-        "that was identified, or the file was wrong. They are not written without --accept-change: it would learn a "
-        "fault, too"
+        f"to {traced.null.score_K:.2g} K instead of {traced.file.score_K:.2g} K"
+    )
+    if declared:
+        return f"{said}; --accept-change writes them"
+    return (
+        f"{said}: the motor is another than the one that was identified, or the file was wrong. They are not written "
+        "without --accept-change: it would learn a fault, too"
     )
 
 

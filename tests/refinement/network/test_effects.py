@@ -15,7 +15,7 @@ from gen.coefficients import parse, with_network
 from gen.model.network_solution import NetworkSolution
 from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects import NetworkEffect, candidates
-from gen.refinement.network.effects.sensors import SensorEffect, WarmedThermometer
+from gen.refinement.network.effects.hidden_node import HiddenNode
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench
@@ -67,6 +67,13 @@ def test_the_whole_library_is_offered() -> None:
     assert {effect.name for effect in every()} == set(AT)
 
 
+def test_a_mass_that_makes_no_heat_is_no_hot_part() -> None:
+    """Three quarters of a watt per kelvin, and a third of a watt or thirty."""
+    (one, *_) = (effect for effect in every() if isinstance(effect, HiddenNode))
+    assert "heatsink" in one.title_of((300.0, 0.5, 0.25, 0.36, 1.0))
+    assert one.title_of((300.0, 0.5, 0.25, 30.0, 1.0)) == ""
+
+
 @pytest.mark.parametrize("effect", every(), ids=name_of)
 def test_derivatives_agree_with_differences(effect: NetworkEffect) -> None:
     made, base = bench()
@@ -77,10 +84,7 @@ def test_derivatives_agree_with_differences(effect: NetworkEffect) -> None:
     _, slopes = problem.slopes(vector)
     later = made.data.is_later
     step = 1e-4
-    places = shape.places[0].columns.tolist()
-    if not isinstance(effect, (SensorEffect, WarmedThermometer)) or effect.lagging is not None:
-        # What a gain adds also depends on the temperature, which its derivatives by other numbers leave out.
-        places += [0, shape.nodes, int(shape.offsets[0]) - 1]
+    places = [*shape.places[0].columns.tolist(), 0, shape.nodes, int(shape.offsets[0]) - 1]
     for place in places:
         up, down = vector.copy(), vector.copy()
         up[place] += step

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,7 @@ from gen.lowering.lower import lower
 from gen.model.network_solution import NetworkSolution
 from gen.refinement.network.changing.freed import freed
 from gen.refinement.network.changing.writer import NetworkWriter
-from gen.refinement.network.effects import NetworkEffect
-from gen.refinement.network.effects.base import Motor
-from gen.refinement.network.effects.sensors import SensorGain, SensorOffset, WarmedThermometer
+from gen.refinement.network.effects.sensors import SensorGain, SensorOffset
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench
@@ -86,39 +83,6 @@ def test_runs_are_freed_of_the_gain_and_of_nothing_else(about: str) -> None:
     one = freed(type(measured)(measured.time_s, measured.pwm, shown[0], measured.ambient), network, measured.ambient)
     for name, values in shown[1].items():
         np.testing.assert_allclose(one.temps[name], values, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "effect_of",
-    [
-        lambda motor: SensorGain(motor, 0, of_rise=True),
-        lambda motor: SensorGain(motor, 1, of_rise=False),
-        lambda motor: WarmedThermometer(motor, 1),
-    ],
-    ids=["of the rise", "of degC", "at the ambient"],
-)
-def test_readings_change_with_every_number_of_the_network_as_differences_say(
-    effect_of: Callable[[Motor], NetworkEffect],
-) -> None:
-    """A sensor that shows a share too much shows that share of all that warms the part, too."""
-    file = read(tree())
-    network = file.model.network
-    assert network is not None
-    data = make_data(file, [("one", run(file, 1))])
-    shape = Anchored.of(network, 255, data.columns)
-    shape = shape.with_effects(effect_of(shape.motor()))
-    bench = Bench(data)
-    bench.weigh(np.ones(shape.sensors))
-    problem = bench.problem(shape)
-    vector = problem.prior.mean.copy()
-    vector[: shape.size] = shape.start()
-    vector[shape.places[0].columns[0]] = 0.3
-    _, slopes = problem.slopes(vector)
-    for column in range(shape.size):
-        step = np.zeros_like(vector)
-        step[column] = 1e-4
-        less, more = (problem.evaluate(vector + sign * step).residual for sign in (-1.0, 1.0))
-        np.testing.assert_allclose(slopes[:, :, column], (less - more) / 2e-4, rtol=2e-3, atol=2e-4)
 
 
 @pytest.mark.parametrize(("about", "of_rise"), [("ambient", True), ("zero_degC", False)])

@@ -78,13 +78,13 @@ def test_numbers_that_leave_more_than_noise_are_offered_and_written_only_on_dema
     held = written(coefficients, raw, traced, [], None, as_said(traced))
     assert held.text == raw
     assert not held.refitted
-    said = offered_anew(traced, named=False)
-    assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K" in said
-    assert offered_anew(traced, named=True) == ""
+    said = offered_anew(traced, declared=False)
+    assert f"to {null.score_K:.2g} K instead of {file.score_K:.2g} K: the motor is another" in said
+    assert "another" not in offered_anew(traced, declared=True)
     accepted = written(coefficients, raw, traced, [], None, as_said(traced), accept_change=True)
     assert accepted.refitted
     assert accepted.text != raw
-    assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K)), named=False) == ""
+    assert offered_anew(replace(traced, null=replace(null, noise_K=null.score_K)), declared=False) == ""
 
 
 @pytest.fixture(scope="module")

@@ -268,6 +268,10 @@ class NetworkEffect(ABC):
         """Give the same effect with what it acts by held at its median; None where there is no such thing."""
         return None
 
+    def title_of(self, values: Sequence[float]) -> str:
+        """Say what a report calls it with its numbers; empty where that is what the library calls it."""
+        return self.title
+
     def doubts(self, values: Sequence[float]) -> list[str]:
         """Say what is not as it would be if this were the reason, for numbers within their limits."""
         return []

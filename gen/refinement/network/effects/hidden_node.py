@@ -21,6 +21,9 @@ LEAST_EXPONENT, MOST_EXPONENT = -0.5, 4.0
 MOST_PARTS, MOST_HEATS = 100.0, 2.0
 """How many median capacities of the motor's nodes it may have, and how many times the motor's whole heat at full speed:
 what is more stands for something else (a fan of one run, a supply, another motor)."""
+A_HEATSINK = "a mass with a surface of its own that makes next to no heat: a heatsink, a mount, a cover"
+HARDLY_K = 1.0
+"""What its own heat alone would warm such a mass by."""
 SLOWEST = 1e-3
 """Share of full speed, of what has no logarithm."""
 
@@ -88,6 +91,10 @@ class HiddenNode(NetworkEffect):
         """Give what its node loses through it to the ambient at a rise, W, beside the heat that it brings."""
         _, inner, outer, _, _ = values
         return inner * outer / (inner + outer) * rise_K
+
+    def title_of(self, values: Sequence[float]) -> str:  # noqa: D102
+        _, inner, outer, power, _ = values
+        return A_HEATSINK if power < HARDLY_K * (inner + outer) else self.title
 
     def doubts(self, values: Sequence[float]) -> list[str]:  # noqa: D102
         settles = self.follows_within_s(values)

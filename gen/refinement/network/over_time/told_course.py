@@ -39,7 +39,7 @@ def told(found: Uneven, course: Course, names: Sequence[str]) -> str:
 
 def _heat(found: Uneven, names: Sequence[str]) -> str:
     """Heat that is missing, W."""
-    known = f"(each known to {found.deviation:.2g} W)"
+    known = f"(each known to {found.deviation:.2g} W, as the file counts watts: temperatures do not tell their scale)"
     if found.pattern == "since":
         return (
             f"since {_when(found, names)} another heat is missing at the same speed than before, by "
