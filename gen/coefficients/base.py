@@ -21,6 +21,15 @@ Note = Annotated[str, Field(description="Why it is so; for those who read the fi
 ColumnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 
 
+THOUSANDTHS = 1000
+"""A board is told ambient and channels in whole thousandths of their unit."""
+
+
+def told(value: float) -> float:
+    """Give a value as a board is told it: what a file says of an ambient or a channel counts to the thousandth."""
+    return round(value * THOUSANDTHS) / THOUSANDTHS
+
+
 def fault(message: str, *at: str | int) -> PydanticCustomError:
     """Make the error for a validator to raise.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gen.coefficients.base import told
 from gen.coefficients.document import ComponentEntry, Document
 from gen.model.dynamics import Component, Pole, ThermalModel
 from gen.model.network import Network
@@ -15,6 +16,7 @@ def to_model(document: Document) -> ThermalModel:
     document
         A validated document.
     """
+    fixed = document.ambient.fixed_degC
     return ThermalModel(
         name=document.name,
         sample_time=document.sample_time_s,
@@ -24,7 +26,7 @@ def to_model(document: Document) -> ThermalModel:
         domain_pwm=document.domain.pwm,
         domain_ambient=document.domain.ambient_degC,
         domain_temperature=document.domain.temperature_degC,
-        ambient_fixed=document.ambient.fixed_degC,
+        ambient_fixed=None if fixed is None else told(fixed),
         ambient_channel=document.ambient.channel,
         components=tuple(_component(entry, document) for entry in document.components),
         network=_network(document),

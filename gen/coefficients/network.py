@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, fault, listed
+from gen.coefficients.base import Celsius, ColumnName, Name, NotNegative, Number, Part, fault, listed, told
 from gen.coefficients.schedule import Exp1, Exp2, Poly, Tabulated
 from gen.model.laws import Convection, Law, Radiation
 from gen.model.network import Network
@@ -16,6 +16,10 @@ from gen.model.schedules import Schedule
 MOST_NODES = 16
 MOST_AT_START = 8.0
 """K of a hidden node's rise at the start, for each K of all sensed nodes: what is proven holds up to that."""
+APART = (
+    "values a thousandth apart at least: a board is told channels in whole thousandths of their unit, so write it in a "
+    "smaller one"
+)
 CURVES = ("poly", "exp1", "exp2", "table", "power")
 
 AtRest = Annotated[NotNegative | None, Field(description="The value at PWM 0, where it is not the curve's.")]
@@ -90,6 +94,8 @@ class FactorPoints(Part):
         for i in range(1, len(self.at)):
             if self.at[i] <= self.at[i - 1]:
                 raise fault(f"found {self.at[i]:g} after {self.at[i - 1]:g}, expected strictly increasing", "at", i)
+            if told(self.at[i]) == told(self.at[i - 1]):
+                raise fault(f"found {self.at[i]:g} after {self.at[i - 1]:g}, expected {APART}", "at", i)
         if len(self.value) != len(self.at):
             raise fault(f"found {len(self.value)} values, expected {len(self.at)}, one for each point", "value")
         return self
@@ -112,7 +118,7 @@ class FactorEntry(Part):
     def factor(self) -> Factor:
         """Give the model's factor."""
         if self.table is not None:
-            return Factor(self.channel, at=self.table.at, value=self.table.value)
+            return Factor(self.channel, at=tuple(map(told, self.table.at)), value=self.table.value)
         return Factor(self.channel, polynomial=self.poly or ())
 
 
@@ -239,7 +245,7 @@ class HeatEntry(Part):
 
 
 class ChannelEntry(Part):
-    """A measured column that conductances or powers depend on."""
+    """A measured column that conductances or powers depend on; all of it counts to the thousandth of its unit."""
 
     column: ColumnName
     range: Annotated[tuple[Number, Number], Field(description="To which its values are held.")]
@@ -250,11 +256,17 @@ class ChannelEntry(Part):
         low, high = self.range
         if low >= high:
             raise fault(f"found [{low:g}, {high:g}], expected the lower limit first", "range")
+        if told(low) == told(high):
+            raise fault(f"found [{low:g}, {high:g}], expected {APART}", "range")
         if not -2e6 <= low <= high <= 2e6:
             raise fault(f"found [{low:g}, {high:g}], expected values within +-2e6", "range")
         if not low <= self.neutral <= high:
             raise fault(f"found {self.neutral:g}, expected it within the range", "neutral")
         return self
+
+    def channel(self) -> Channel:
+        """Give the model's channel."""
+        return Channel(self.column, told(self.range[0]), told(self.range[1]), told(self.neutral))
 
 
 class NetworkEntry(Part):
@@ -339,7 +351,7 @@ class NetworkEntry(Part):
                 Heat(h.node, model_curve(h.power_W, full_scale), _factors(h.factors), h.per_K, h.reference_degC)
                 for h in self.heats
             ),
-            tuple(Channel(c.column, *c.range, c.neutral) for c in self.channels),
+            tuple(channel.channel() for channel in self.channels),
             held,
         )
 

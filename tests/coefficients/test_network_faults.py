@@ -123,6 +123,13 @@ FORM: list[tuple[Path_, object, str, str]] = [
     ),
     ((*CHANNELS, 1, "column"), "fan_rpm", "$.network.channels[1].column", '"fan_rpm" is there already'),
     ((*CHANNELS, 0, "range"), [3000, 0], "$.network.channels[0].range", "expected the lower limit first"),
+    ((*CHANNELS, 0, "range"), [0, 4e-4], "$.network.channels[0].range", "expected values a thousandth apart at least"),
+    (
+        (*PATHS, 4, "factors", 0),
+        factor(at=[0, 9, 9.0004], value=[1, 1, 1]),
+        "$.network.paths[4].factors[0].table.at[2]",
+        "found 9.0004 after 9, expected values a thousandth apart at least",
+    ),
     ((*CHANNELS, 0, "range"), [0, 1e9], "$.network.channels[0].range", "expected values within +-2e6"),
     ((*CHANNELS, 0, "neutral"), -1, "$.network.channels[0].neutral", "found -1, expected it within the range"),
     ((*CHANNELS, 0, "column"), "fan rpm", "$.network.channels[0].column", "expected text of the pattern"),
@@ -207,13 +214,41 @@ def test_a_fault_of_meaning_is_said_with_its_place(where: Path_, value: object, 
     assert message in error.message
 
 
+def test_ambient_and_channels_count_to_the_thousandth_as_a_board_is_told_them() -> None:
+    """The exact solution that a board is held against is that of what the board can be told."""
+    tree = changed(((*PATHS, 4, "factors", 0), factor(at=[0, 33.33333, 100], value=[1, 3, 2])))
+    tree["ambient"]["fixed_degC"] = 22.44174
+    tree["network"]["channels"][0] |= {"range": [0.00049, 3000.0004], "neutral": 0.0015}
+    found = parse(json.dumps(tree).encode())
+    network = found.model.network
+    assert network is not None
+    assert found.model.ambient_fixed == 22.442
+    assert (network.channels[0].low, network.channels[0].high, network.channels[0].neutral) == (0.0, 3000.0, 0.002)
+    assert network.paths[4].factors[0].at == (0.0, 33.333, 100.0)
+    assert not any("steps over the range" in said for said in found.warnings)
+
+
+def test_a_channel_that_a_board_is_told_in_few_steps_is_said() -> None:
+    tree = changed(((*CHANNELS, 0, "range"), [0, 0.01]))
+    tree["network"]["channels"][0]["neutral"] = 0.0
+    found = parse(json.dumps(tree).encode())
+    assert any("which are 10 steps over the range: write it in a smaller unit" in said for said in found.warnings)
+
+
 def test_the_schema_takes_the_file_and_rejects_what_it_can_express() -> None:
     """Not what relates one part to another."""
     assert SCHEMA.is_valid(TREE)
     assert SCHEMA.is_valid(BASE | {"version": 2, "network": None})
     related = {'one of "poly" and "table"', 'no "effects"', "with a guarantee", "is taken", "win ding", "twice"}
     related |= {"joins the same", "expected a node's name", "a column of", "strictly increasing", "values, expected"}
-    related |= {"is there already", "is reserved", "lower limit first", "within", "through its paths"}
+    related |= {
+        "is there already",
+        "is reserved",
+        "lower limit first",
+        "within",
+        "through its paths",
+        "a thousandth apart",
+    }
     for where, value, _, message in FORM:
         if not any(part in message for part in related):
             assert not SCHEMA.is_valid(changed((where, value))), (where, value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.coefficients.base import THOUSANDTHS
 from gen.coefficients.checks.model_checks import FASTEST, HIGHEST, table_warning
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
@@ -14,6 +15,9 @@ from gen.model.schedules import FloatArray
 
 _ROOM_DEGC = 25.0
 """Ambient at which the steady rise is looked at; heat that depends on temperature depends on it."""
+
+FEWEST_STEPS = 100
+"""Of a channel over its range: with fewer one step moves what it multiplies by more than a hundredth."""
 
 
 def check_network(model: ThermalModel) -> tuple[str, ...]:
@@ -41,7 +45,7 @@ def check_network(model: ThermalModel) -> tuple[str, ...]:
     _check_lags(network, model.sample_time)
     _check_runaway(network, pwm, ends)
     _check_rise(network, pwm)
-    return _table_warnings(network, model) + _cooling_warnings(network, model)
+    return _table_warnings(network, model) + _cooling_warnings(network, model) + _coarse_channels(network)
 
 
 def _check_factors(network: Network) -> None:
@@ -168,6 +172,16 @@ def _cooling_warnings(network: Network, model: ThermalModel) -> tuple[str, ...]:
                 f"{worst:g} degC, inside the domain: it would cool there"
             )
     return tuple(warnings)
+
+
+def _coarse_channels(network: Network) -> tuple[str, ...]:
+    """Say which channels a board is told in few steps."""
+    return tuple(
+        f"$.network.channels[{i}].range: a board is told {channel.column} in whole thousandths of its unit, which are "
+        f"{round((channel.high - channel.low) * THOUSANDTHS)} steps over the range: write it in a smaller unit"
+        for i, channel in enumerate(network.channels)
+        if (channel.high - channel.low) * THOUSANDTHS < FEWEST_STEPS
+    )
 
 
 def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, laws: FloatArray) -> None:

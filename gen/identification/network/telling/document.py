@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gen.coefficients import Coefficients, Document, dump, parse
+from gen.coefficients.base import told
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.network import (
@@ -145,7 +146,7 @@ def _accuracy(result: NetworkFound) -> Accuracy:
 def _ambient(result: NetworkFound) -> Ambient:
     data = result.data
     return Ambient(
-        fixed_degC=None if data.ambient_fixed is None else six_digits(data.ambient_fixed),
+        fixed_degC=None if data.ambient_fixed is None else told(data.ambient_fixed),
         channel="ambient_degC" if data.ambient_measured or data.ambient_fixed is None else None,
     )
 
