@@ -16,8 +16,20 @@ _FUNCTION = re.compile(r"^(?:static|extern|void)[^\n;{]*?\b(\w+)\(([^;{]*)\)\s*\
 #: Files whose functions are read as text, by what follows the model's name.
 _READ = ("_step.h", "_word.h", "_accumulator.h", "_accumulator.cpp", ".cpp")
 #: Where constants live, which only the schedule's tables know of.
-_FLASH = ("PROGMEM", "memcpy_P", "pgm_read_byte", "pgm_read_word", "pgm_read_dword", "pgm_read_float")
+_FLASH = {
+    "PROGMEM": "",
+    "memcpy_P": "memcpy",
+    **{f"pgm_read_{kind}(address)": "(*(address))" for kind in ("byte", "word", "dword", "float")},
+}
+_MARKS = ("_ONE_COPY", "_SMALL", "_INLINE", "_UNUSED")
 _MARK = re.compile(r"(__attribute__\(\((noinline|unused)\)\))?")
+#: A comment, or what is none although it holds the signs of one.
+_TOKEN = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""", re.S)
+_GOES_ON = re.compile(r"\\[ \t\r\f\v]*(?:\n|$)")
+#: Files of the system that the library's sources take in: none of them has a name of the library's.
+_SYSTEM = ("<stdint.h>", "<string.h>", "<math.h>", "<avr/pgmspace.h>")
+#: Own macros that are numbers.
+_NUMBERS = ("_SAMPLE_MS", "_FORECAST_AT_ONCE", "_FORECAST_STEPS")
 _QUALIFIERS = re.compile(
     r'\b(?:static|inline|__attribute__\(\(noinline\)\)|[A-Z0-9_]+_(?:ONE_COPY|SMALL|INLINE))\b|extern "C"'
 )
@@ -52,13 +64,23 @@ class Project:
         ------
         InputError
             If it cannot be read.
+        Refuted
+            If the compiler could see other lines, or another end of a comment.
         """
         path = self.sources / f"{self.model}{name}"
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot be read: {error}", file=str(path)) from error
-        return _without_avr(re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S))
+        if 'R"' in text or "\r" in text.replace("\r\n", "\n"):
+            raise Refuted(f"{path.name} holds text that a reader takes for other lines")
+        plain = _TOKEN.sub(_uncommented, text)
+        if re.search(r"\\[ \t]*\n\s*#", plain):
+            raise Refuted(f"a line of the preprocessor in {path.name} belongs to the line before")
+        plain = _without_avr(plain)
+        if _GOES_ON.search(plain):
+            raise Refuted(f"a line of {path.name} goes on in the next, where no AVR is")
+        return plain
 
     @cached_property
     def functions(self) -> dict[str, str]:
@@ -72,7 +94,7 @@ class Project:
         found: dict[str, str] = {}
         for path in sorted(self.sources.glob(f"{self.model}*")):
             text = self.text(path.name.removeprefix(self.model))
-            self._check_macros(text)
+            self._check_macros(path.name, text)
             if path.name.removeprefix(self.model) not in _READ:
                 continue
             for match in _FUNCTION.finditer(text + "\n"):
@@ -91,21 +113,27 @@ class Project:
             If a macro could make another text of it.
         """
         for path in sorted(self.sources.glob(f"{self.model}*")):
-            self._check_macros(self.text(path.name.removeprefix(self.model)))
+            self._check_macros(path.name, self.text(path.name.removeprefix(self.model)))
 
-    def _check_macros(self, text: str) -> None:
-        """Text is what the compiler sees only if no macro replaces a word of it."""
+    def _check_macros(self, file: str, text: str) -> None:
+        """Text is what the compiler sees only if no macro replaces a word of it, and nothing else is taken in."""
+        guard = file.removeprefix(self.model).upper().replace(".", "_")
         for line in text.splitlines():
-            words = line.split(maxsplit=2)
-            if words[:1] == ["#undef"] or words[:1] == ["#pragma"]:
+            words = re.sub(r"#\s+", "#", line.strip()).split(maxsplit=2)
+            if words[:1] == ["#include"]:
+                own = re.fullmatch(rf'"({self.model}\w*\.h)"', " ".join(words[1:]))
+                if not (own and (self.sources / own[1]).is_file()) and " ".join(words[1:]) not in _SYSTEM:
+                    raise Refuted(f"a file that the proof does not know: {line.strip()}")
+            elif words[:1] in (["#undef"], ["#pragma"]) or words[0:1] == ["_Pragma"]:
                 raise Refuted(f"a line that the proof does not know: {line.strip()}")
-            if words[:1] != ["#define"]:
-                continue
-            name, value = words[1], words[2] if len(words) > 2 else ""
-            own = name.startswith(f"{self.model.upper()}_")
-            marks = name.endswith(("_ONE_COPY", "_SMALL", "_INLINE", "_UNUSED"))
-            if not (own or name.split("(")[0] in _FLASH) or (marks and not _MARK.fullmatch(value)):
-                raise Refuted(f"a macro that the proof does not know: {line.strip()}")
+            elif words[:1] == ["#define"]:
+                name, value = words[1], words[2] if len(words) > 2 else ""
+                own_name = name.removeprefix(self.model.upper()) if name.startswith(f"{self.model.upper()}_") else ""
+                known = _FLASH.get(name) == value or (own_name == guard and not value)
+                known = known or (own_name in _MARKS and _MARK.fullmatch(value) is not None)
+                known = known or (own_name in _NUMBERS and re.fullmatch(r"\d+[UuLl]*", value) is not None)
+                if not known:
+                    raise Refuted(f"a macro that the proof does not know: {line.strip()}")
 
     def parsed(self, name: str) -> c_ast.FuncDef:
         """The syntax tree of a function of the recursion.
@@ -139,6 +167,15 @@ _STRUCTS = ("Word", "Accumulator", "State", "Coefficients")
 def spaced(text: str) -> str:
     """The text with one space for each run of white space."""
     return " ".join(text.split())
+
+
+def _uncommented(token: re.Match[str]) -> str:
+    """Nothing of a comment, unless the compiler might end it elsewhere; all of text in quotes."""
+    if not token[0].startswith("/"):
+        return token[0]
+    if _GOES_ON.search(token[0]):
+        raise Refuted(f"a comment that may go on or end elsewhere: {token[0].strip()}")
+    return ""
 
 
 def _without_avr(text: str) -> str:

@@ -24,7 +24,7 @@ def to_model(document: Document) -> ThermalModel:
         validity=document.validity.pwm,
         outside=document.validity.outside,
         domain_pwm=document.domain.pwm,
-        domain_ambient=document.domain.ambient_degC,
+        domain_ambient=(told(document.domain.ambient_degC[0]), told(document.domain.ambient_degC[1])),
         domain_temperature=document.domain.temperature_degC,
         ambient_fixed=None if fixed is None else told(fixed),
         ambient_channel=document.ambient.channel,

@@ -19,10 +19,19 @@ def reserved(kind: str) -> frozenset[str]:
     ----------
     kind
         "keywords" (C++11 and GNU), "macros" (all of Arduino.h and the ATmega2560's headers that could be
-        a name here) or "taken" (functions, objects and types of the Arduino core and the C library, our own).
+        a name here), "taken" (functions, objects and types of the Arduino core and the C library, our own) or "library"
+        (in small letters what the emitted library calls its own constants, behind the model's name: so does it call its
+        components).
     """
     text = resources.files("gen").joinpath("schema/reserved-names.json").read_text(encoding="utf-8")
     return frozenset(json.loads(text)[kind])
+
+
+def component_name_fault(name: str) -> str | None:
+    """Say why a name that may be a model's or an alarm's cannot be a component's, or give None."""
+    if name.lower() in reserved("library"):
+        return f'"{name}" is what the emitted library calls a constant of its own; expected another name'
+    return None
 
 
 def name_fault(name: str) -> str | None:

@@ -16,6 +16,8 @@ from gen.model.schedules import Schedule
 MOST_NODES = 16
 MOST_AT_START = 8.0
 """K of a hidden node's rise at the start, for each K of all sensed nodes: what is proven holds up to that."""
+MOST_TOLD = 2e6
+"""What a board is told, in thousandths, has 32 bits."""
 APART = (
     "values a thousandth apart at least: a board is told channels in whole thousandths of their unit, so write it in a "
     "smaller one"
@@ -91,6 +93,9 @@ class FactorPoints(Part):
 
     @model_validator(mode="after")
     def _check(self) -> FactorPoints:
+        for i, at in enumerate(self.at):
+            if not -MOST_TOLD <= at <= MOST_TOLD:
+                raise fault(f"found {at:g}, expected values within +-2e6", "at", i)
         for i in range(1, len(self.at)):
             if self.at[i] <= self.at[i - 1]:
                 raise fault(f"found {self.at[i]:g} after {self.at[i - 1]:g}, expected strictly increasing", "at", i)
@@ -256,10 +261,10 @@ class ChannelEntry(Part):
         low, high = self.range
         if low >= high:
             raise fault(f"found [{low:g}, {high:g}], expected the lower limit first", "range")
+        if not -MOST_TOLD <= low <= high <= MOST_TOLD:
+            raise fault(f"found [{low:g}, {high:g}], expected values within +-2e6", "range")
         if told(low) == told(high):
             raise fault(f"found [{low:g}, {high:g}], expected {APART}", "range")
-        if not -2e6 <= low <= high <= 2e6:
-            raise fault(f"found [{low:g}, {high:g}], expected values within +-2e6", "range")
         if not low <= self.neutral <= high:
             raise fault(f"found {self.neutral:g}, expected it within the range", "neutral")
         return self

@@ -15,6 +15,7 @@ from gen.coefficients.alarms import (
     window_counts,
 )
 from gen.coefficients.base import fault, listed, ordered
+from gen.coefficients.names import component_name_fault
 from gen.coefficients.provenance import Provenance
 from gen.coefficients.wiring import Wiring
 
@@ -22,7 +23,7 @@ _EXTRA_COLUMN = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,25}_degC")
 
 
 def check_component_names(names: Sequence[str]) -> None:
-    """Check that the components' names differ.
+    """Check that the components' names differ, from each other and from what the emitted library calls its own.
 
     Raises
     ------
@@ -30,6 +31,9 @@ def check_component_names(names: Sequence[str]) -> None:
         Here as below at the first fault; the path starts at the document.
     """
     _unique(names, "components")
+    for name in names:
+        if (taken := component_name_fault(name)) is not None:
+            raise fault(taken)
 
 
 def check_network_columns(columns: Sequence[str], names: Sequence[str], ambient: str | None) -> None:

@@ -8,6 +8,7 @@ from gen.coefficients import Coefficients
 from gen.firmware.contexts.identity import ROOM_degC
 from gen.lowering.kinds import OUTPUT_BITS
 from gen.lowering.network.program import NetworkProgram, NetworkProof
+from gen.lowering.network.start import start_range_mC
 from gen.lowering.network.terms import drifting_sensor, identifier, lagging_reading
 from gen.lowering.program import Program
 from gen.lowering.recursion.guarantee import rounded_up
@@ -40,7 +41,7 @@ def network_certificate(coefficients: Coefficients, program: Program, made: Netw
         "sample_time_s": model.sample_time,
         "domain_pwm": list(model.domain_pwm),
         "fraction_bits": made.fraction_bits,
-        "start_mC": list(made.start_mC),
+        "start_mC": statement["start_mC"],
         "equations": {**equations, "factors": factors, "paths": paths},
         "states": _claimed(statement["states"], made.proof),
         "components": _components(statement["components"], made),
@@ -48,7 +49,7 @@ def network_certificate(coefficients: Coefficients, program: Program, made: Netw
 
 
 def network_statement(coefficients: Coefficients) -> dict[str, Any]:
-    """What a certificate is about: equations, states and components without what is claimed of them."""
+    """What a certificate is about: equations, starts, states and components without what is claimed of them."""
     model = coefficients.model
     network = model.network
     assert network is not None
@@ -79,7 +80,12 @@ def network_statement(coefficients: Coefficients) -> dict[str, Any]:
             component["drift"] = len(states)
             name = identifier(drifting_sensor(node.name))
             states.append({"name": name, "drifts_to_K": node.sensor.drift, "time_constant_s": node.sensor.settling})
-    return {"equations": _equations(network, model), "states": states, "components": components}
+    return {
+        "equations": _equations(network, model),
+        "start_mC": list(start_range_mC(model)),
+        "states": states,
+        "components": components,
+    }
 
 
 def _gain(sensor: Sensor) -> dict[str, Any]:

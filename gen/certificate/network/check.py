@@ -29,6 +29,7 @@ from gen.certificate.network.machine import Machine
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.memory import Cell, Model
 from gen.certificate.network.order import check_order
+from gen.certificate.network.pure import check_pure
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.rows import Rows
 from gen.certificate.network.sensors import Sensors
@@ -67,6 +68,10 @@ def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], N
         return NetworkProof(project, certificate).verdicts()
 
 
+RUN_ON_INPUTS = ("degrees", "magnitude", "pwm_flags", "thousandths_of", "read_more", "over_base", "shown_more")
+"""Functions of the interface that are run on what they may be called with, and not read."""
+
+
 @dataclass(frozen=True)
 class _Known:
     """A function of a channel's value: which factor it is, and what was found."""
@@ -95,6 +100,7 @@ class NetworkProof:
         check_order(project, certificate)
         self._measured: Measured = measure(project, certificate, self._low_bits)
         self._sample, self._interface = Unit(project, "_step.cpp"), Unit(project, ".cpp")
+        check_pure(self._interface, RUN_ON_INPUTS)
         self._tables = tables(project)
         self._unit = 2.0**-certificate.fraction_bits
         self._error = np.array([state.error_K for state in certificate.states])
@@ -150,6 +156,7 @@ class NetworkProof:
         for name in names:
             if len(self._sample.functions(name)) != 1:
                 raise Refuted(f"{name} is there twice")
+        check_pure(self._sample, names)
         measured = spans(self._project, self._certificate, found)
         known: dict[tuple[str, int], _Known] = {}
         ends: list[tuple[float, float] | None] = [None] * len(self._certificate.equations.factors)

@@ -54,7 +54,7 @@ class Told(_Strict):
 
     @model_validator(mode="after")
     def _in_order(self) -> Told:
-        if not self.low <= self.neutral <= self.high or self.low == self.high:
+        if not self.low <= self.neutral <= self.high:
             raise ValueError("a channel's range is empty, or does not hold its neutral value")
         return self
 
@@ -311,7 +311,7 @@ class NetworkCertificate(_Strict):
         return any(part.drift is not None for part in self.components)
 
     def statement(self) -> dict[str, Any]:
-        """What it is about: equations, states and components without what is claimed of them."""
+        """What it is about: equations, starts, states and components without what is claimed of them."""
         every = self.model_dump(mode="json", exclude_none=True)
         claims = {"bits", "scale", "range_degC", "error_K", "bound_K", "reading_K"}
 
@@ -319,7 +319,12 @@ class NetworkCertificate(_Strict):
             return [{key: value for key, value in entry.items() if key not in claims} for entry in entries]
 
         equations = {key: stated(entries) for key, entries in every["equations"].items()}
-        return {"equations": equations, "states": stated(every["states"]), "components": stated(every["components"])}
+        return {
+            "equations": equations,
+            "start_mC": every["start_mC"],
+            "states": stated(every["states"]),
+            "components": stated(every["components"]),
+        }
 
     @model_validator(mode="after")
     def _fit_together(self) -> NetworkCertificate:

@@ -96,6 +96,11 @@ class Unit:
             if line.lstrip().startswith("#") and not _HARMLESS.fullmatch(line.strip()):
                 raise Refuted(f"a line that the proof does not know: {line.strip()}")
 
+    @property
+    def text(self) -> str:
+        """All of it, without comments."""
+        return self._text
+
     @cached_property
     def constants(self) -> dict[str, tuple[int, str]]:
         """The enumerators and their types, those of the unit's own after those of its headers.

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import ceil, comb, log2
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.errors import CheckFailed
 from gen.lowering.kinds import Integers
 from gen.lowering.network.series import WHOLE
 from gen.model.network_parts import Channel, Factor
@@ -135,11 +137,16 @@ def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, 
     channel = channels[number]
     label = f"factor {index}: of {factor.channel}"
     low, high = round(channel.low * 1000.0), round(channel.high * 1000.0)
+    if high - low >= 1 << 31:
+        raise CheckFailed(
+            f"$.network.channels[{number}].range: {high - low} thousandths are more than a board counts: write "
+            f"{channel.column} in a larger unit"
+        )
     if factor.polynomial:
         return _polynomial(factor, number + 1, low, high, label)
     bits = WORD_BITS - ceil(log2(max(largest, 1e-4)) + 1e-9)
-    at = [round(value * 1000.0) for value in factor.at]
-    words = [round(value * 2.0**bits) for value in factor.value]
+    at, values = _within(factor, low, high)
+    words = [round(value * 2**bits) for value in values]
     pieces = [Piece(at[0], at[0], words[0], 0, 0, False)]
     for k in range(len(at) - 1):
         change, width = abs(words[k + 1] - words[k]), at[k + 1] - at[k]
@@ -149,6 +156,23 @@ def lower_factor(factor: Factor, channels: tuple[Channel, ...], largest: float, 
     # A slope is off by half a unit, or by one, over 2^31 of 2^-32; its product is cut; both ends are rounded.
     off = 0.5 + CUT + 1.0
     return FactorProgram(number + 1, bits, tuple(pieces), words[-1], (), 0, 0, 0, off * 2.0**-bits, label)
+
+
+def _within(factor: Factor, low: int, high: int) -> tuple[list[int], list[Fraction]]:
+    """A table's points within the channel's range, to which the board holds it, and its ends; in thousandths, exact."""
+    at = [round(value * 1000.0) for value in factor.at]
+    given = list(map(Fraction, factor.value))
+
+    def value(told: int) -> Fraction:
+        if told <= at[0]:
+            return given[0]
+        for (a, y), (b, z) in pairwise(zip(at, given, strict=True)):
+            if told <= b:
+                return y + (z - y) * Fraction(told - a, b - a)
+        return given[-1]
+
+    points = [low, *(point for point in at if low < point < high), high]
+    return points, [value(point) for point in points]
 
 
 def _polynomial(factor: Factor, channel: int, low: int, high: int, label: str) -> FactorProgram:

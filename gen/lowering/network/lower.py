@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, floor, log2
+from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from gen.lowering.network.gains import GainFormat, lower_gains
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
 from gen.lowering.network.ranges import reachable, speeds, widest_shown, widest_start
+from gen.lowering.network.start import start_range_mC
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.model import ThermalModel
@@ -61,7 +62,8 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     weights = model.network.hidden_at_start
     most = max((float(own[:-1].sum()) for own in weights), default=0.0)
     starts = [reading.gain.start_error(gains.back) for reading in readings if reading.gain is not None and gains]
-    words = max(_START_WORDS, *(max(1.0, most) * own + 1.0 for own in starts), 0.0)
+    # A hidden node starts at so many sensed ones' words, each off by a half, and as many of the ambient's taken off.
+    words = max(_START_WORDS, most + 2.0, *(max(1.0, most) * own + 1.0 for own in starts), 0.0)
     bound = np.maximum(bound, bound * (words * 2.0**-bits / bound.min()))
     if laws and bound.max() > ranges.margin:
         raise CheckFailed(
@@ -82,7 +84,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         factors,
         laws,
         _channels(model),
-        (ceil(model.domain_temperature[0] * 1000.0), floor(model.domain_temperature[1] * 1000.0)),
+        start_range_mC(model),
         proof,
     )
     _check(coefficients, arithmetic, made)

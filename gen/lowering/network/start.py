@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, floor
 
+from gen.errors import CheckFailed
 from gen.lowering.kinds import Integers
 from gen.lowering.network.series import WHOLE
+from gen.model import ThermalModel
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,20 @@ def scale_of(fraction_bits: int) -> DegreeScale:
     left = max(0, fraction_bits - 10)
     whole = 31 + 10 - (fraction_bits - left)
     return DegreeScale(left, round(2.0 ** (fraction_bits - left + whole) / 1000.0), whole - 8 * WHOLE.least)
+
+
+def start_range_mC(model: ThermalModel) -> tuple[int, int]:
+    """The readings that a start takes, thousandths of a degree Celsius: those within the declared temperatures.
+
+    Raises
+    ------
+    CheckFailed
+        If there is none.
+    """
+    low, high = ceil(model.domain_temperature[0] * 1000.0), floor(model.domain_temperature[1] * 1000.0)
+    if low > high:
+        raise CheckFailed("$.domain.temperature_degC: holds no whole thousandth of a degree to start from")
+    return low, high
 
 
 def degrees(thousandths: Integers, scale: DegreeScale) -> Integers:
