@@ -248,6 +248,29 @@ FIXED: dict[str, tuple[str, Edit]] = {
     "a path without its factor": (CERTIFICATE, changed(_no_factor)),
     "a wider channel": (CERTIFICATE, changed(_wider_channel)),
     "words of half the unit": (CERTIFICATE, changed(_finer)),
+    # What is read otherwise than it is compiled, or is run once and gives something else later.
+    "a cast to nothing that acts": (
+        STEP,
+        replaced(r"(_advance\([^;{]*\{\n)", r"\1    (void)(chain_model.state.T[0].hi += 4096);\n"),
+    ),
+    "degrees that go with the command": (
+        MODEL,
+        replaced(
+            r"(int32_t degrees\(int32_t thousandths\) \{\n)",
+            r"\1    if (chain_model.command == 77) { thousandths += 5000; }\n",
+        ),
+    ),
+    "a magnitude that goes with the command": (
+        MODEL,
+        replaced(r"(uint8_t magnitude\(int16_t pwm\) \{\n)", r"\1    if (chain_model.command == 77) { return 0; }\n"),
+    ),
+    "a reading that counts its calls": (
+        MODEL,
+        replaced(r"(int32_t thousandths_of\(int32_t \w+\) \{\n)", r"\1    static uint8_t calls = 0; ++calls;\n"),
+    ),
+    "a file from elsewhere": (STEP, replaced(r"(#include)", r'#include "extra.h"\n\1')),
+    "a macro in the place of a flag": ("chain.h", replaced(r"(#include)", r"#define CHAIN_SATURATED (1, 0)\n\1")),
+    "a comment that takes the next line along": (STEP, replaced(r"(\n    // [^\n]*)\n", r"\1 \\\\\n")),
 }
 FLOAT: dict[str, tuple[str, Edit]] = {
     "a table's number": (SCHEDULE, replaced(r"(0\.00\d)\d{2}(\d+f)", r"\g<1>99\2", nth=5)),
@@ -295,6 +318,11 @@ def test_another_coefficient_file_is_told_apart(projects: Projects, tmp_path: Pa
     path = tmp_path / "other.json"
     path.write_text(json.dumps(other))
     with pytest.raises(CheckFailed, match="about other equations"):
+        gen.check(projects["fixed"][0], coefficients=gen.load(path))
+    other = chain(5, domain=(96, 119), channels=True)
+    other["domain"]["temperature_degC"][1] -= 1.0
+    path.write_text(json.dumps(other))
+    with pytest.raises(CheckFailed, match="about other start_mC"):
         gen.check(projects["fixed"][0], coefficients=gen.load(path))
 
 

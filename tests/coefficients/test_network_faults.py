@@ -228,6 +228,13 @@ def test_ambient_and_channels_count_to_the_thousandth_as_a_board_is_told_them() 
     assert not any("steps over the range" in said for said in found.warnings)
 
 
+def test_a_part_may_not_be_called_what_the_library_calls_its_own() -> None:
+    """A flag of the model is NAME_SATURATED, and so would the part's number be; a hidden node has none."""
+    sensed = next(node["name"] for node in TREE["network"]["nodes"] if "sensor" in node)
+    error = failure(json.loads(json.dumps(TREE).replace(f'"{sensed}"', '"Saturated"')))
+    assert '"Saturated" is what the emitted library calls a constant of its own' in error.message
+
+
 def test_a_channel_that_a_board_is_told_in_few_steps_is_said() -> None:
     tree = changed(((*CHANNELS, 0, "range"), [0, 0.01]))
     tree["network"]["channels"][0]["neutral"] = 0.0

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from gen.errors import CheckFailed
 from gen.lowering.network.factors import WORD_BITS, lower_factor, scaled
 from gen.lowering.network.series import CHOICES, FIRST, WHOLE, Product
 from gen.lowering.network.start import degrees, scale_of
@@ -52,14 +53,26 @@ def test_a_scaled_word_is_short_of_the_exact_one_by_little_more_than_a_unit(word
     [
         Factor("told", polynomial=(0.003, -0.4, 2.0), at=(), value=()),
         Factor("told", polynomial=(), at=(-5.0, 0.25, 3.0, 80.0), value=(0.1, 1.7, 0.4, 12.5)),
+        Factor("told", polynomial=(), at=(-9.0, 0.25, 79.99, 1e6), value=(9.0, 1.7, 0.4, 1e9)),
+        Factor("told", polynomial=(), at=(90.0, 91.0), value=(3.0, 1e6)),
     ],
-    ids=["polynomial", "table"],
+    ids=["polynomial", "table", "a table that is steep where the channel is not", "a table beyond the channel"],
 )
 def test_a_factor_is_within_its_error_of_the_exact_one_everywhere(factor: Factor) -> None:
     channel = Channel("told", -5.0, 80.0, 0.0)
-    told = np.arange(-5000, 80_001, 7, dtype=np.int64)
+    told = np.arange(-5000, 80_001, 5, dtype=np.int64)
     exact = np.maximum(np.asarray(factor(told / 1000.0)), 0.0)
     program = lower_factor(factor, (channel,), float(exact.max()), 0)
     off = np.abs(program.word(told) * 2.0**-program.bits - exact)
     assert off.max() <= program.error
     assert program.error < 1e-6 * exact.max()
+
+
+def test_a_channel_of_more_thousandths_than_a_board_counts_is_refused_in_one_line() -> None:
+    channel = Channel("pressure_Pa", -1.5e6, 1.5e6, 0.0)
+    for factor in (
+        Factor("pressure_Pa", at=(0.0, 1e6), value=(1.0, 2.0)),
+        Factor("pressure_Pa", polynomial=(1e-6, 1.0)),
+    ):
+        with pytest.raises(CheckFailed, match=r"range: 3000000000 thousandths .* write pressure_Pa in a larger unit"):
+            lower_factor(factor, (channel,), 3.0, 0)
