@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from gen.runs.run import FloatArray
 
@@ -61,6 +60,8 @@ def _informative(channels: dict[str, NDArray[Any]], sampled: Collection[str], ro
 
     About them, and not in all of the run: a sensor may be lost for good, or come late.
     """
+    from scipy.ndimage import maximum_filter1d  # slow to import: what is wrong with a file was told before
+
     measured = np.zeros(rows, dtype=np.int16)
     for name in sampled:
         measured += np.isfinite(channels[name])
