@@ -191,6 +191,7 @@ def machine(tmp_path: Path) -> Machine:
     folder = tmp_path / "lib" / "some" / "src"
     folder.mkdir(parents=True)
     (folder / "some_step.cpp").write_text(PROGRAM)
+    (folder / "some_platform.h").write_text("#include <stdint.h>\n")
     unit = Unit(Project(tmp_path, "some"), "_step.cpp")
     return Machine(unit, {}, Space([(-300.0, 300.0)], [], 1), Model([]), lambda *_: pytest.fail("no channel"))
 
