@@ -26,6 +26,9 @@ _MARK = re.compile(r"(__attribute__\(\((noinline|unused)\)\))?")
 #: A comment, or what is none although it holds the signs of one.
 _TOKEN = re.compile(r"""/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""", re.S)
 _GOES_ON = re.compile(r"\\[ \t\r\f\v]*(?:\n|$)")
+#: Where text in quotes has become "": a raw one begins, an escape or the end of a line that goes on stands outside of
+#: it, or signs that stand for # [ ] { }.
+_OTHERWISE = re.compile(r'(?<!\w)(?:u8|[uUL])?R""|\\|<%|%>|<:|:>|%:|\b_Pragma\b')
 #: Files of the system that the library's sources take in: none of them has a name of the library's.
 _SYSTEM = ("<stdint.h>", "<string.h>", "<math.h>", "<avr/pgmspace.h>")
 #: Own macros that are numbers.
@@ -69,17 +72,17 @@ class Project:
         """
         path = self.sources / f"{self.model}{name}"
         try:
-            text = path.read_text(encoding="utf-8")
+            text = path.read_bytes().decode("utf-8").replace("\r\n", "\n")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot be read: {error}", file=str(path)) from error
-        if 'R"' in text or "\r" in text.replace("\r\n", "\n"):
-            raise Refuted(f"{path.name} holds text that a reader takes for other lines")
-        plain = _TOKEN.sub(_uncommented, text)
-        if re.search(r"\\[ \t]*\n\s*#", plain):
+        whole = _TOKEN.sub(_uncommented, text)
+        if "\r" in text or re.search(r"[^\n\t -~]", _TOKEN.sub('""', whole)):
+            raise Refuted(f"what ends a line in {path.name} is not the same for every reader")
+        if re.search(r"\\[ \t]*\n\s*#", whole):
             raise Refuted(f"a line of the preprocessor in {path.name} belongs to the line before")
-        plain = _without_avr(plain)
-        if _GOES_ON.search(plain):
-            raise Refuted(f"a line of {path.name} goes on in the next, where no AVR is")
+        plain = _without_avr(whole)
+        if (found := _OTHERWISE.search(_TOKEN.sub('""', plain))) is not None:
+            raise Refuted(f"the compiler reads {path.name} otherwise than it is written: {found[0]}")
         return plain
 
     @cached_property
@@ -124,7 +127,7 @@ class Project:
                 own = re.fullmatch(rf'"({self.model}\w*\.h)"', " ".join(words[1:]))
                 if not (own and (self.sources / own[1]).is_file()) and " ".join(words[1:]) not in _SYSTEM:
                     raise Refuted(f"a file that the proof does not know: {line.strip()}")
-            elif words[:1] in (["#undef"], ["#pragma"]) or words[0:1] == ["_Pragma"]:
+            elif words[:1] in (["#undef"], ["#pragma"]):
                 raise Refuted(f"a line that the proof does not know: {line.strip()}")
             elif words[:1] == ["#define"]:
                 name, value = words[1], words[2] if len(words) > 2 else ""

@@ -75,3 +75,36 @@ def test_cpp_that_is_not_what_it_reads_like_is_refuted(emitted: Path, tmp_path: 
     path.write_text(whole[:guard] + text + whole[guard:])
     with pytest.raises(CheckFailed, match=r"macro|a line|two functions|compile"):
         gen.check(project)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "%:define steady rate[0]\n",
+        "// a comment that another reader ends here\rint evil;\n",
+        "#ifdef __AVR__ \f#else\n#endif\n",
+        "// a comment \\\nint evil;\n",
+        "/\\\n* int evil; /* */\n",
+        'static const char *evil = R"(/*)"; // */\n',
+        "#ifdef __AVR__\n#define SMALL_EVIL \\\n#else\n#endif\n",
+        "#define pgm_read_word(address) (*(address) + 1)\n",
+        "#define SMALL_SATURATED (1, 0)\n",
+        '#include "small_evil.h"\n',
+        '_Pragma("GCC optimize 3")\n',
+    ],
+)
+def test_text_that_a_compiler_reads_otherwise_is_refuted(emitted: Path, tmp_path: Path, text: str) -> None:
+    project = shutil.copytree(emitted, tmp_path / "project")
+    path = next(project.rglob("small_step.h"))
+    whole = path.read_bytes()
+    guard = whole.index(b"#include")
+    path.write_bytes(whole[:guard] + text.encode() + whole[guard:])
+    with pytest.raises(CheckFailed, match=r"the proof does not know|reads small_step\.h otherwise|line|comment"):
+        gen.check(project)
+
+
+def test_names_may_end_as_raw_text_begins(tmp_path: Path) -> None:
+    """`"STATOR"` holds R" and is no raw text."""
+    tree = small(2)
+    tree["components"][0]["name"] = "STATOR"
+    assert [part.name for part in gen.check(built(tmp_path, tree, "fixed", "table")).parts] == ["STATOR"]

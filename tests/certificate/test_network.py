@@ -268,6 +268,27 @@ FIXED: dict[str, tuple[str, Edit]] = {
         MODEL,
         replaced(r"(int32_t thousandths_of\(int32_t \w+\) \{\n)", r"\1    static uint8_t calls = 0; ++calls;\n"),
     ),
+    "degrees that go with a number begun in parentheses": (
+        MODEL,
+        replaced(
+            r"(static int32_t degrees\(int32_t thousandths\) \{\n)",
+            r"static int32_t bias(0);\n\1    thousandths += bias;\n",
+        ),
+    ),
+    "degrees that go with what a pointer is turned to": (
+        MODEL,
+        replaced(
+            r"(static int32_t degrees\(int32_t thousandths\) \{\n)",
+            r"static const int32_t *bias = nullptr;\n\1    thousandths += bias ? *bias : 0;\n",
+        ),
+    ),
+    "degrees that go with a record": (
+        MODEL,
+        replaced(
+            r"(static int32_t degrees\(int32_t thousandths\) \{\n)",
+            r"struct Kept { int32_t bias; };\nstatic struct Kept kept;\n\1    thousandths += kept.bias;\n",
+        ),
+    ),
     "a file from elsewhere": (STEP, replaced(r"(#include)", r'#include "extra.h"\n\1')),
     "a macro in the place of a flag": ("chain.h", replaced(r"(#include)", r"#define CHAIN_SATURATED (1, 0)\n\1")),
     "a comment that takes the next line along": (STEP, replaced(r"(\n    // [^\n]*)\n", r"\1 \\\\\n")),

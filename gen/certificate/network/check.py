@@ -29,7 +29,7 @@ from gen.certificate.network.machine import Machine
 from gen.certificate.network.measured import Measured, Span, measure, spans
 from gen.certificate.network.memory import Cell, Model
 from gen.certificate.network.order import check_order
-from gen.certificate.network.pure import check_pure
+from gen.certificate.network.pure import RUN_ON_INPUTS, check_pure
 from gen.certificate.network.rest import rest_weights
 from gen.certificate.network.rows import Rows
 from gen.certificate.network.sensors import Sensors
@@ -66,10 +66,6 @@ def prove(folder: Path, certificate: NetworkCertificate, tell: Callable[[str], N
     tell(certificate.model)
     with np.errstate(all="ignore"):  # nothing compares with what comes of it, so it is refuted
         return NetworkProof(project, certificate).verdicts()
-
-
-RUN_ON_INPUTS = ("degrees", "magnitude", "pwm_flags", "thousandths_of", "read_more", "over_base", "shown_more")
-"""Functions of the interface that are run on what they may be called with, and not read."""
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,25 @@
-"""That functions which are run on their inputs give the same whatever was called before: they read no variable."""
+"""That functions which are run on their inputs give the same whatever was called before.
+
+They, and all that they call, name nothing but what they are called with, what they declare, constants and each other.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 
-from gen.certificate.network.source import KINDS, Unit
+from pycparser import c_ast
+
+from gen.certificate.network.source import Unit
 from gen.certificate.refuted import Refuted
 
-#: Words that stand before a parenthesis and call nothing, and what reads constants in flash.
-_NO_CALLS = {"if", "for", "while", "switch", "return", "sizeof", "memcpy_P", "INT32_C", "UINT32_C", "INT64_C", *KINDS}
-_FLASH = re.compile(r"pgm_read_(?:byte|word|dword|float)")
-_CALL = re.compile(r"\b(\w+)\s*\(")
-_CAST = re.compile(r"\bstatic_cast<\w+>\(")
-_NO_VARIABLE = ("typedef", "struct", "enum", "template", "using", "static_assert", "#")
-_NAME = re.compile(r"(\w+)\s*(?:\[[^\]]*\]\s*)*(?:PROGMEM\s*)?(?:=|$)")
+RUN_ON_INPUTS = ("degrees", "magnitude", "pwm_flags", "thousandths_of", "read_more", "over_base", "shown_more")
+"""Functions of the interface that are run on what they may be called with, and not read."""
+_FROM_FLASH = {"memcpy_P", *(f"pgm_read_{kind}" for kind in ("byte", "word", "dword", "float"))}
+_LITERALS = {"INT32_C", "UINT32_C", "INT64_C", "UINT64_C"}
+#: Constants of a file: no pointer, which could be turned to something else.
+_CONSTANT = re.compile(r"^(?:extern |static )?const (?:\w+ )*?(\w+) ?(?:\[[^\]]*\])*(?: PROGMEM)? ?[={;]", re.M)
+_ENUM = re.compile(r"\benum\s*(?::\s*\w+\s*)?\{([^}]*)\}")
 
 
 def check_pure(unit: Unit, names: Iterable[str]) -> None:
@@ -30,48 +35,63 @@ def check_pure(unit: Unit, names: Iterable[str]) -> None:
     Raises
     ------
     Refuted
-        If one names a variable of the file, keeps one of its own, or calls what is not in the file.
+        If one names anything else of the file, keeps something, or calls what is not in the file.
     """
-    changing = _variables(unit.text)
+    constants = {*_CONSTANT.findall(unit.text), "true", "false"}
+    for block in _ENUM.findall(unit.text):
+        constants |= {entry.partition("=")[0].strip() for entry in block.split(",")}
     seen: set[str] = set()
     left = [name for name in names if name in unit.texts]
     while left:
         name = left.pop()
-        if name in seen:
-            continue
-        seen.add(name)
-        for text in unit.texts[name]:
-            body = _CAST.sub("(", text[text.index("{") :])
-            words = set(re.findall(r"\w+", body))
-            if words & (changing | {"static", "asm", "__asm__", "volatile", "goto"}):
-                raise Refuted(f"{name} depends on more than what it is called with")
-            for called in _CALL.findall(body):
-                if called in unit.texts:
-                    left.append(called)
-                elif called not in _NO_CALLS and not _FLASH.fullmatch(called):
-                    raise Refuted(f"{name} calls {called}, which the proof does not know")
+        if name not in seen:
+            seen.add(name)
+            for function in unit.functions(name):
+                named = _Named()
+                named.visit(function)
+                left += sorted(named.called & set(unit.texts))
+                known = named.own | constants | set(unit.kinds)
+                if named.keeps or named.read - known or named.called - set(unit.texts) - _FROM_FLASH - _LITERALS:
+                    raise Refuted(f"{name} depends on more than what it is called with")
 
 
-def _variables(text: str) -> set[str]:
-    """Names of a file's variables that are no constants."""
-    found: set[str] = set()
-    for statement in _outside(text.replace('extern "C" {', " ")).split(";"):
-        plain = " ".join(line for line in statement.splitlines() if not line.lstrip().startswith("#")).strip()
-        plain = re.sub(r'^(?:(?:extern|static|inline|"C")\s+)*', "", plain)
-        if not plain or plain.startswith((*_NO_VARIABLE, "const ")) or "(" in plain.split("=")[0]:
-            continue
-        name = _NAME.search(plain)
-        if name is None:
-            raise Refuted(f"a line that the proof does not know: {plain}")
-        found.add(name[1])
-    return found
+class _Named(c_ast.NodeVisitor):  # type: ignore[misc]
+    """What a function names.
 
+    Attributes
+    ----------
+    own
+        Its parameters and what it declares.
+    read
+        Names of values.
+    called
+        Of functions.
+    keeps
+        Whether it declares something that outlives a call.
+    """
 
-def _outside(text: str) -> str:
-    """What stands outside of all braces; where a function's ended a statement ends."""
-    kept, depth = [], 0
-    for character in text:
-        depth = max(0, depth + {"{": 1, "}": -1}.get(character, 0))
-        if depth == 0:
-            kept.append(";" if character == "}" else character)
-    return "".join(kept)
+    def __init__(self) -> None:
+        self.own: set[str] = set()
+        self.read: set[str] = set()
+        self.called: set[str] = set()
+        self.keeps = False
+
+    def visit_Decl(self, node: c_ast.Decl) -> None:
+        """Take a declaration down."""
+        self.own.add(node.name)
+        self.keeps = self.keeps or bool({"static", "extern", "register"} & set(node.storage))
+        self.generic_visit(node)
+
+    def visit_FuncCall(self, node: c_ast.FuncCall) -> None:
+        """Take a call down; what is called by something else than a name is no name that is known."""
+        self.called.add(node.name.name if isinstance(node.name, c_ast.ID) else "")
+        if node.args is not None:
+            self.visit(node.args)
+
+    def visit_StructRef(self, node: c_ast.StructRef) -> None:
+        """A member is what it is a member of."""
+        self.visit(node.name)
+
+    def visit_ID(self, node: c_ast.ID) -> None:
+        """Take a name down."""
+        self.read.add(node.name)

@@ -96,8 +96,8 @@ class Identified:
 
 
 FASTEST = 3.0 / FASTEST_OF_A_FILE
-"""Time constants shorter than this many steps of the board are not looked for: three times what a file must keep to, as
-a pair's faster pole, and a curve between two speeds, come out faster than what was fitted."""
+"""Time constants shorter than this many steps of the board are not looked for: three times what a file must keep to,
+since curves go on beyond the speeds that were run."""
 
 
 def identify(

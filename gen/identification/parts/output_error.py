@@ -30,9 +30,10 @@ OFFSET_PRIOR = 1.1
 """Prior standard deviation of a sensor's offset, K: the tolerance of a type K thermocouple with its amplifier."""
 
 LARGEST_ZETA = 4.0
+"""A pair with more damping is two real poles a factor of 60 apart: no pair."""
+
 SLOWEST = 100.0
 """Longest time constant that is looked for, over the longest run."""
-"""A pair with more damping is two real poles a factor of 60 apart: no pair."""
 
 
 class Simulator:

@@ -17,7 +17,7 @@ from gen.identification.network.fitting.physics import Shape
 
 FASTEST = 2.0 / FASTEST_OF_A_FILE
 """No node follows its neighbours, and no two nodes each other, within fewer steps of the board: twice what a file must
-keep to, as channels and the file's own curves may yet make it faster between the speeds looked at."""
+keep to, since this is looked at for `SPEEDS` alone, and in a file at every |PWM|."""
 MARGIN = 1.02
 """Times as slow as that is what is looked for: a penalty gives way a little."""
 UNIT = 0.01
