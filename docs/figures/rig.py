@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gen.arrays import FloatArray
 from gen.rig.calibrate.fit import BROKEN, compare, settled
 from gen.rig.calibrate.targets import Targets, load
-from gen.rig.network import Floats
 from gen.rig.parameters import MEASURED, MotorParameters, my1016
 
 _COLOURS = ("#4c78a8", "#54a24b", "#e45756", "#b279a2", "#f58518")
@@ -36,7 +36,7 @@ def figure() -> Figure:
     return drawn
 
 
-def _settled(axes: Axes, name: str, fine: Floats, values: Floats, targets: Targets) -> None:
+def _settled(axes: Axes, name: str, fine: FloatArray, values: FloatArray, targets: Targets) -> None:
     axes.plot(100 * fine, values, color="black", label="rig, settled")
     axes.errorbar(
         100 * targets.speeds,
@@ -51,7 +51,7 @@ def _settled(axes: Axes, name: str, fine: Floats, values: Floats, targets: Targe
     axes.legend(loc="lower center")
 
 
-def _steps(axes: Axes, name: str, curves: Floats, targets: Targets) -> None:
+def _steps(axes: Axes, name: str, curves: FloatArray, targets: Targets) -> None:
     hours = targets.time_s[::12] / 3600.0
     for k, speed in enumerate(targets.speeds):
         axes.plot(hours, curves[k, ::12], color=_COLOURS[k], label=f"{100 * speed:.0f} %")
@@ -60,14 +60,14 @@ def _steps(axes: Axes, name: str, curves: Floats, targets: Targets) -> None:
     axes.legend(loc="lower right", ncols=2)
 
 
-def _inside(axes: Axes, fine: Floats, over_speed: dict[str, Floats]) -> None:
+def _inside(axes: Axes, fine: FloatArray, over_speed: dict[str, FloatArray]) -> None:
     for name, colour in zip(("winding", "brush", "air", "casing"), _COLOURS, strict=False):
         axes.plot(100 * fine, over_speed[name], color=colour, label=name)
     axes.set(title="Inside, settled", xlabel="speed, %", ylabel="°C", ylim=(28, 90))
     axes.legend(loc="lower center", ncols=2)
 
 
-def _fault(axes: Axes, kind: str, parameters: MotorParameters, well: dict[str, Floats], targets: Targets) -> None:
+def _fault(axes: Axes, kind: str, parameters: MotorParameters, well: dict[str, FloatArray], targets: Targets) -> None:
     broken = settled(parameters, targets.fault_speeds, BROKEN[kind])
     percent = 100 * targets.fault_speeds
     for name, colour in (("brush", "#4c78a8"), ("casing", "#f58518")):
@@ -80,7 +80,7 @@ def _fault(axes: Axes, kind: str, parameters: MotorParameters, well: dict[str, F
     axes.legend(loc="upper left")
 
 
-def _errors(axes: Axes, end_K: dict[str, Floats], targets: Targets) -> None:
+def _errors(axes: Axes, end_K: dict[str, FloatArray], targets: Targets) -> None:
     for k, name in enumerate(MEASURED):
         axes.bar(100 * targets.speeds + 3.5 * (k - 1.5), end_K[name], width=3.2, color=_COLOURS[k], label=name)
     axes.axhspan(-2, 2, color="black", alpha=0.06)

@@ -12,7 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats, Ratio, Ratios, floats, zeros
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY, Ratio, Ratios, floats, zeros
 from gen.certificate.refuted import Refuted
 
 #: Least positive float32.
@@ -75,7 +76,7 @@ class Reach(Protocol):
         """Enclose linear . symbols, shape (symbols, P): middle and half width, shape (P,) each."""
         ...
 
-    def roughly(self, linear: Floats) -> tuple[Floats, Floats]:
+    def roughly(self, linear: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The same in float64, where the half width covers what that rounds."""
         ...
 
@@ -126,7 +127,7 @@ class Space:
             low, high = low + np.minimum(at_low, at_high), high + np.maximum(at_low, at_high)
         return low, high
 
-    def largest(self, value: Affine) -> Floats:
+    def largest(self, value: Affine) -> FloatArray:
         """A bound of a number's magnitude, shape (P,), in float64 and rounded up by far more than its own errors."""
         constant = floats(value.constant)
         if value.known:
@@ -138,7 +139,7 @@ class Space:
         for symbol, factor in value.noise.items():
             ends = self.ranges[symbol]
             around += np.abs(floats(factor)) * np.maximum(np.abs(floats(ends[0])), np.abs(floats(ends[1])))
-        found: Floats = np.abs(constant + middle) + half + around
+        found: FloatArray = np.abs(constant + middle) + half + around
         return found + ROUGHLY * (np.abs(constant) + np.abs(middle) + half + around)
 
     def fits(self, value: Affine, end: int | None = None, what: str = "") -> Affine:

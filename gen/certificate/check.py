@@ -15,11 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.certificate.affine import Reach, outward
 from gen.certificate.disturbance import along_directions, linear_part
 from gen.certificate.document import LOW_BITS, AnyCertificate, Certificate, Part
 from gen.certificate.equation import Enclosure, enclose
-from gen.certificate.exact import BITS, ROUGHLY, Floats, Ratio, Ratios, floats, inverse, ratios, zeros
+from gen.certificate.exact import BITS, ROUGHLY, Ratio, Ratios, floats, inverse, ratios, zeros
 from gen.certificate.measured import Measured, measure
 from gen.certificate.network.check import prove
 from gen.certificate.network.document import NetworkCertificate
@@ -101,7 +102,7 @@ class _Reach:
         middle = towards[:, 0] * self._centre + linear[-1] * self._ambient
         return middle, half + np.abs(linear[-2]) * self._q + np.abs(linear[-1]) * self._around
 
-    def roughly(self, linear: Floats) -> tuple[Floats, Floats]:
+    def roughly(self, linear: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See :class:`gen.certificate.affine.Reach`."""
         words = floats(self._to_words)
         towards = linear[:-2].T @ words
@@ -208,7 +209,7 @@ class PartProof:
         towards = floats((identity - exact.transition)[:, :, 0] * Ratio(1, 1 << BITS) * away[:, None])
         driven = np.abs(towards @ along.T) + ROUGHLY * (np.abs(towards) @ np.abs(along).T)
         self._decide(images, self._reach, driven + slack, "states'", "")
-        held: tuple[Ratios, Floats] | None = None
+        held: tuple[Ratios, FloatArray] | None = None
         for run in runs:
             differs, constant = self._beside_exact(run)
             linear, when = self._linear(differs), ""
@@ -220,7 +221,7 @@ class PartProof:
             self._decide(images, self._error, added, "errors'", when)
         return int(driven.size) * (1 + len(runs))
 
-    def _decide(self, images: Images, heights: Ratios, added: Floats, whose: str, when: str) -> None:
+    def _decide(self, images: Images, heights: Ratios, added: FloatArray, whose: str, when: str) -> None:
         """Whether a polytope holds all that comes of it, (*) of :mod:`gen.certificate.check`."""
         box = floats(self._directions.box(heights)) * (1.0 + ROUGHLY)
         needed = (images.largest(floats(heights), box) + added) * (1.0 + ROUGHLY)
@@ -238,7 +239,7 @@ class PartProof:
         at_rest = matrix[:, :, 0] * exact.steady[:, None] + constant - first[None, :] * exact.steady[:, None]
         return matrix - exact.transition * Ratio(1, 1 << BITS), at_rest
 
-    def _linear(self, differs: Ratios) -> Floats:
+    def _linear(self, differs: Ratios) -> FloatArray:
         own_q = (self.recursion.drive.linear / self._word[:, None]).T @ self._map
         return linear_part(self._directions, self._both, differs, self._away, own_q)
 
@@ -255,7 +256,7 @@ class PartProof:
         found: Ratios = np.stack([moved, drive * self._measured.ambient_K], axis=1)
         return found
 
-    def _rounding(self, run: Run, constant: Ratios, ambient: Ratios) -> Floats:
+    def _rounding(self, run: Run, constant: Ratios, ambient: Ratios) -> FloatArray:
         """What roundings add to each ``c_j . e``, shape (P, J)."""
         back = floats(self._back * self._word[None, :]).T
         beside = floats(constant[:, None, :])

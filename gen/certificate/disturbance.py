@@ -11,11 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, ratios
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY, Ratios, floats, ratios
 from gen.certificate.polytope import Directions, largest_roughly
 
 
-def along_directions(directions: Directions, columns: Floats, sizes: Floats) -> Floats:
+def along_directions(directions: Directions, columns: FloatArray, sizes: FloatArray) -> FloatArray:
     """sum_m ``|c_j . column_m|``, shape (P, J), in float64 and rounded up by far more than its own errors.
 
     Parameters
@@ -38,7 +39,7 @@ def linear_part(
     matrices: Ratios,
     away: Ratios,
     likely: Ratios,
-) -> Floats:
+) -> FloatArray:
     """Bounds of ``|c_j . D (y - s)|``, shape (P, J), with y - (centre, 0, ..) in a polytope.
 
     Parameters
@@ -64,11 +65,11 @@ def linear_part(
 
 def _taken_apart(
     directions: Directions, heights: Ratios, matrices: Ratios, away: Ratios, rows: Sequence[Ratios | None]
-) -> Floats:
+) -> FloatArray:
     """Generators of all D (y - s), shape (P, m, n): a product for each row, and the rest; None is the largest row."""
     box = directions.box(heights)
     rest = matrices
-    generators: list[Floats] = []
+    generators: list[FloatArray] = []
     for given in rows:
         column, row = _product(floats(rest), floats(box), None if given is None else floats(given))
         distance = floats(np.abs(row[:, 0]) * away) + largest_roughly(directions, heights, floats(row))
@@ -79,7 +80,7 @@ def _taken_apart(
     return np.concatenate([*generators, floats((rest * boxes[:, None, :]).transpose(0, 2, 1))], axis=1)
 
 
-def _product(matrices: Floats, box: Floats, given: Floats | None) -> tuple[Ratios, Ratios]:
+def _product(matrices: FloatArray, box: FloatArray, given: FloatArray | None) -> tuple[Ratios, Ratios]:
     """Columns v and rows g, shape (P, n) each, whose product comes near to matrices where |u_i| <= box_i."""
     scaled = matrices * box[None, None, :] / box[None, :, None]
     if given is None:

@@ -9,6 +9,8 @@ import gmpy2
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
+
 if TYPE_CHECKING:
     from fractions import Fraction
 
@@ -20,7 +22,6 @@ else:
 #: Arrays of Python's int and of `Ratio`: numpy's object arrays.
 Integers = NDArray[Any]
 Ratios = NDArray[Any]
-Floats = NDArray[np.float64]
 
 #: Share by which float64 results are rounded up: at most a hundred operations, each right to 2^-53 of its terms.
 ROUGHLY = 1e-12
@@ -39,7 +40,7 @@ def units(values: Ratios) -> Integers:
     return found
 
 
-def floats(values: Ratios) -> Floats:
+def floats(values: Ratios) -> FloatArray:
     """The nearest float64 of each."""
     return values.astype(np.float64)
 

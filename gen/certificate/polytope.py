@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from gen.certificate.exact import ROUGHLY, Floats, Ratios, floats, ratios
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY, Ratios, floats, ratios
 from gen.certificate.refuted import Refuted
 
 Places = NDArray[np.intp]
@@ -40,7 +41,7 @@ class Directions:
         If an axis is not among them, or a guess cannot be made.
     """
 
-    def __init__(self, directions: Ratios, shape: Floats) -> None:
+    def __init__(self, directions: Ratios, shape: FloatArray) -> None:
         self.exact, self.nearest = directions, floats(directions)
         if np.any(ratios(self.nearest) != directions):
             raise Refuted("a direction is no float64")
@@ -61,7 +62,7 @@ class Directions:
         found = [heights[j] / abs(self.exact[j, i]) for i, j in enumerate(self._axes)]
         return np.array(found, dtype=object)
 
-    def guess(self, targets: Floats, near: int | None = None) -> tuple[Places, Floats]:
+    def guess(self, targets: FloatArray, near: int | None = None) -> tuple[Places, FloatArray]:
         """Which directions combine to targets, shape (k, n), and their weights, each (k, n).
 
         The signs of the directions are in the weights. ``near`` is the direction in whose neighbourhood they lie.
@@ -96,7 +97,7 @@ class Directions:
         return int(np.argmax(alone))
 
 
-def _facets(points: Floats) -> tuple[Places, Places]:
+def _facets(points: FloatArray) -> tuple[Places, Places]:
     """The facets of the hull of points, and the neighbour opposite to each vertex, shape (facets, n) each."""
     if points.shape[1] == 1:
         return np.array([[0], [1]], dtype=np.intp), np.array([[1], [0]], dtype=np.intp)
@@ -123,12 +124,12 @@ def largest(directions: Directions, heights: Ratios, targets: Ratios) -> Ratios:
     return found
 
 
-def largest_roughly(directions: Directions, heights: Ratios, targets: Floats) -> Floats:
+def largest_roughly(directions: Directions, heights: Ratios, targets: FloatArray) -> FloatArray:
     """:func:`largest` in float64, rounded up by far more than its own errors."""
     places, weights = directions.guess(targets)
     parts = weights[:, :, None] * directions.nearest[places]
     rest = np.abs(targets - parts.sum(axis=1)) + ROUGHLY * (np.abs(parts).sum(axis=1) + np.abs(targets))
-    found: Floats = (np.abs(weights) * floats(heights)[places]).sum(axis=1) + rest @ floats(directions.box(heights))
+    found: FloatArray = (np.abs(weights) * floats(heights)[places]).sum(axis=1) + rest @ floats(directions.box(heights))
     return found * (1.0 + ROUGHLY)
 
 
@@ -138,7 +139,7 @@ class Images:
     Every sum is rounded up by :data:`ROUGHLY` of the magnitudes of its terms, which is far more than its own errors.
     """
 
-    def __init__(self, directions: Directions, transition: Floats) -> None:
+    def __init__(self, directions: Directions, transition: FloatArray) -> None:
         along = directions.nearest
         images = np.einsum("ji,pil->pjl", along, transition)
         rows, count, n = images.shape
@@ -154,8 +155,8 @@ class Images:
             rest, lost = rest - part, lost + ROUGHLY * np.abs(part)
         self._rest = np.abs(rest) + lost
 
-    def largest(self, heights: Floats, box: Floats) -> Floats:
+    def largest(self, heights: FloatArray, box: FloatArray) -> FloatArray:
         """Bounds of ``|c_j . E u|`` over a polytope, shape (P, J)."""
         inside = (self._weights * heights[self._places]).sum(axis=2)
-        found: Floats = (inside + self._rest @ box) * (1.0 + ROUGHLY)
+        found: FloatArray = (inside + self._rest @ box) * (1.0 + ROUGHLY)
         return found

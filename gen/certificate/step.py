@@ -16,9 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.certificate.affine import Affine, Reach, Space
 from gen.certificate.document import Part
-from gen.certificate.exact import Floats, Ratio, Ratios, floats
+from gen.certificate.exact import Ratio, Ratios, floats
 from gen.certificate.machine import Coefficients, Machine, State
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project
@@ -57,7 +58,7 @@ class Run:
     matrix: Ratios
     ambient: Ratios
     constant: Ratios
-    columns: Floats
+    columns: FloatArray
 
 
 class Recursion:

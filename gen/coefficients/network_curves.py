@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients.network import CurveEntry, TableCurve, model_curve
 from gen.coefficients.schedule import Points
 
-FloatArray = NDArray[np.float64]
 POINT = 5
 """Distance of a table's points, counts: pchip through them is within 1e-4 of the curve."""
 
 
-def points_of(full_scale: int) -> NDArray[np.int64]:
+def points_of(full_scale: int) -> IntArray:
     """Give the |PWM| of a table's points, from 0 to full scale."""
     return np.unique([*range(0, full_scale, POINT), full_scale])
 
 
-def tabulated(pwm: NDArray[np.int64], value: FloatArray, at_rest: float) -> TableCurve:
+def tabulated(pwm: IntArray, value: FloatArray, at_rest: float) -> TableCurve:
     """Give a curve through points, with a value of its own at rest.
 
     Parameters
@@ -34,7 +33,7 @@ def tabulated(pwm: NDArray[np.int64], value: FloatArray, at_rest: float) -> Tabl
     return TableCurve(table=points, at_rest=six_digits(at_rest))
 
 
-def values_of(curve: CurveEntry, pwm: NDArray[np.int64], full_scale: int) -> tuple[FloatArray, float]:
+def values_of(curve: CurveEntry, pwm: IntArray, full_scale: int) -> tuple[FloatArray, float]:
     """Give a curve's values while the motor turns at |PWM|, shape (k,), and its value at rest."""
     known = model_curve(curve, full_scale)
     turning = known.turning(np.asarray(pwm, dtype=np.float64))

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.drawing.section import Bar, shown
 from gen.lowering.alarms import LoweredRule
 from gen.model.dynamics import MAX_PWM
 from gen.reference.run_alarms import raised_s
 from gen.runs import Run
-
-Array = NDArray[np.float64]
 
 COLUMN = "alarms"
 """The board's: a bit for each rule, set while its alarm is raised."""
@@ -45,7 +43,7 @@ def recorded(run: Run, events: Sequence[tuple[float, str]], rules: Sequence[str]
 
 
 def _named(
-    found: Sequence[tuple[int, float, float]], events: Sequence[tuple[float, str]], time_s: Array
+    found: Sequence[tuple[int, float, float]], events: Sequence[tuple[float, str]], time_s: FloatArray
 ) -> dict[int, str]:
     """Names of the rules by their bits, from the events in the row's interval in which only one bit was first set."""
     said = [(at, text.removeprefix("alarm ")) for at, text in events if text.startswith("alarm ")]
@@ -59,7 +57,7 @@ def _named(
     return names
 
 
-def spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float]]:
+def spans(present: BoolArray, time_s: FloatArray) -> list[tuple[float, float]]:
     """First time of every stretch of True and the first after it, s; a distance too short to be seen is closed."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], present, [False])).astype(np.int8)))
     starts, ends = time_s[edges[::2]], time_s[np.minimum(edges[1::2], time_s.size - 1)]
@@ -69,7 +67,7 @@ def spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float]
     return list(zip(starts[first].tolist(), ends[last].tolist(), strict=True)) if starts.size else []
 
 
-def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array]) -> list[Bar]:
+def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, FloatArray]) -> list[Bar]:
     """Give the alarms that a coefficient file's rules raise on a run.
 
     Parameters
@@ -90,7 +88,7 @@ def derived(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array
     return [Bar(shown(name), "derived", at, end) for name, at in raised_s(coefficients, run, model_degC).items()]
 
 
-def band(rules: Sequence[LoweredRule], component: int, side: str, pwm: NDArray[np.int64]) -> Array | None:
+def band(rules: Sequence[LoweredRule], component: int, side: str, pwm: IntArray) -> FloatArray | None:
     """Give where the nearest rule on one side of the model begins at each row.
 
     Parameters

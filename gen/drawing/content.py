@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.drawing import alarms
 from gen.drawing.faults import declared
@@ -19,8 +19,6 @@ from gen.replay import read_for
 from gen.runs import Run, read_run
 from gen.runs.drive import drive_of
 from gen.runs.events import events
-
-Array = NDArray[np.float64]
 
 _MODEL = "_model_degC"
 _STATUS = ("flags", "sensors", "protection", alarms.COLUMN)
@@ -75,18 +73,18 @@ def _input_title(run: Run, coefficients: Coefficients | None) -> str:
     return f"PWM, counts ({shown(meaning)})" if meaning else "PWM, counts"
 
 
-def _simulated(coefficients: Coefficients, run: Run, file: str) -> dict[str, Array]:
+def _simulated(coefficients: Coefficients, run: Run, file: str) -> dict[str, FloatArray]:
     columns = simulate_run(coefficients, run, "exact", "auto", file)
     return {name: np.asarray(columns[f"{name}_degC"], np.float64) for name in coefficients.model.component_names}
 
 
-def _recorded_model(run: Run) -> dict[str, Array]:
+def _recorded_model(run: Run) -> dict[str, FloatArray]:
     """What the board's model said, by part."""
     own = {name.removesuffix(_MODEL): values for name, values in run.extras.items() if name.endswith(_MODEL)}
     return {name: values for name, values in own.items() if name in run.temps}
 
 
-def _temperatures(run: Run) -> dict[str, Array]:
+def _temperatures(run: Run) -> dict[str, FloatArray]:
     """Every temperature that was measured, but the ambient; columns without a value are left out."""
     found = dict(run.temps)
     for name, values in run.extras.items():
@@ -96,7 +94,7 @@ def _temperatures(run: Run) -> dict[str, Array]:
 
 
 def _temperature_panel(
-    run: Run, measured: Mapping[str, Array], model: Mapping[str, Array], places: Mapping[str, int]
+    run: Run, measured: Mapping[str, FloatArray], model: Mapping[str, FloatArray], places: Mapping[str, int]
 ) -> Panel:
     curves = [Curve(shown(name), "measured", places[name], values) for name, values in measured.items()]
     curves += [Curve(shown(name), "model", places[name], values) for name, values in model.items()]
@@ -107,8 +105,8 @@ def _temperature_panel(
 
 def _residual_panel(
     run: Run,
-    measured: Mapping[str, Array],
-    model: Mapping[str, Array],
+    measured: Mapping[str, FloatArray],
+    model: Mapping[str, FloatArray],
     places: Mapping[str, int],
     rules: tuple[LoweredRule, ...],
 ) -> list[Panel]:
@@ -141,7 +139,7 @@ def _channel_panels(run: Run) -> list[Panel]:
     return panels[:_MOST_PANELS]
 
 
-def _bars(path: Path, run: Run, coefficients: Coefficients | None, model: Mapping[str, Array]) -> list[Bar]:
+def _bars(path: Path, run: Run, coefficients: Coefficients | None, model: Mapping[str, FloatArray]) -> list[Bar]:
     said = events(path) if path.is_file() else []
     own = coefficients is not None and run.comments.get("coefficients_sha256") == coefficients.sha256
     names = [rule.name for rule in coefficients.document.alarms] if coefficients is not None and own else []
@@ -152,7 +150,9 @@ def _bars(path: Path, run: Run, coefficients: Coefficients | None, model: Mappin
     return bars
 
 
-def _notes(coefficients: Coefficients | None, measured: Mapping[str, Array], model: Mapping[str, Array]) -> list[str]:
+def _notes(
+    coefficients: Coefficients | None, measured: Mapping[str, FloatArray], model: Mapping[str, FloatArray]
+) -> list[str]:
     notes = []
     if coefficients is not None:
         notes.append(f"Model: {coefficients.name}, exact solution from the first measured temperatures.")

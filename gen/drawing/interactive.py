@@ -13,8 +13,9 @@ from jinja2 import Environment
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from gen.arrays import FloatArray
 from gen.drawing.palette import BAR_NAMES, BARS, COLOURS, INK, colour
-from gen.drawing.section import Array, Curve, Panel, Section
+from gen.drawing.section import Curve, Panel, Section
 from gen.drawing.thinning import line, lonely, steps
 from gen.pages.charts import reaching_zero
 from gen.pages.environment import page_environment
@@ -238,7 +239,7 @@ def _bars(section: Section, axis: str) -> list[dict[str, Any]]:
     for row, name in enumerate(section.rows):
         for kind in dict.fromkeys(bar.kind for bar in section.bars if bar.name == name):
             own = [bar for bar in section.bars if bar.name == name and bar.kind == kind]
-            x: Array = np.array([[bar.from_s, bar.to_s, np.nan] for bar in own]).ravel() / seconds
+            x: FloatArray = np.array([[bar.from_s, bar.to_s, np.nan] for bar in own]).ravel() / seconds
             both = len({bar.kind for bar in section.bars if bar.name == name}) > 1
             at = row + (0.0 if not both else -0.2 if kind == "recorded" else 0.2)
             traces.append(

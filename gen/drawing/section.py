@@ -6,10 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from gen.arrays import FloatArray
 
-Array = NDArray[np.float64]
 Role = Literal["measured", "model", "band", "held"]
 
 _LONGEST = 48
@@ -40,7 +38,7 @@ class Curve:
     name: str
     role: Role
     colour: int | None
-    values: Array
+    values: FloatArray
 
     @property
     def is_held(self) -> bool:
@@ -128,7 +126,7 @@ class Section:
 
     title: str
     notes: tuple[str, ...]
-    time_s: Array
+    time_s: FloatArray
     panels: tuple[Panel, ...]
     bars: tuple[Bar, ...]
     parts: tuple[tuple[str, int], ...]

@@ -6,17 +6,15 @@ Unlike :mod:`gen.runs.thinning` this is for the eye alone: nothing is computed f
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from tsdownsample import MinMaxDownsampler
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.runs.gaps import gaps
-
-Array = NDArray[np.float64]
 
 _SHARE_OF_GAPS = 8
 
 
-def line(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
+def line(time_s: FloatArray, values: FloatArray, most: int) -> tuple[FloatArray, FloatArray]:
     """Give a line's points: all, or of each stretch the lowest and the highest.
 
     Parameters
@@ -28,7 +26,7 @@ def line(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
 
     Returns
     -------
-    tuple of Array
+    tuple of FloatArray
         Times and values, shape (M,), M <= most; a NaN parts what a gap parts. Where there are very many gaps the
         longest are kept.
     """
@@ -44,7 +42,7 @@ def line(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
     return _parted(x[kept], y[kept], after[kept])
 
 
-def steps(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
+def steps(time_s: FloatArray, values: FloatArray, most: int) -> tuple[FloatArray, FloatArray]:
     """Give the points of what is held from row to row, as a line with upright flanks.
 
     Parameters
@@ -56,7 +54,7 @@ def steps(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
 
     Returns
     -------
-    tuple of Array
+    tuple of FloatArray
         Times and values, shape (M,), M <= most.
     """
     same = (values[1:] == values[:-1]) | (np.isnan(values[1:]) & np.isnan(values[:-1]))
@@ -68,7 +66,7 @@ def steps(time_s: Array, values: Array, most: int) -> tuple[Array, Array]:
     return np.stack([time_s[begins], ends], axis=1).ravel(), np.repeat(values[begins], 2)
 
 
-def lonely(values: Array) -> NDArray[np.bool_]:
+def lonely(values: FloatArray) -> BoolArray:
     """Find the values of a line that no line leads to or from: only a dot shows them."""
     known = np.isfinite(values)
     beside = np.zeros(values.size, dtype=np.bool_)
@@ -77,7 +75,7 @@ def lonely(values: Array) -> NDArray[np.bool_]:
     return known & ~beside
 
 
-def _extremes(values: Array, most: int) -> NDArray[np.int64]:
+def _extremes(values: FloatArray, most: int) -> IntArray:
     """Places of the lowest and the highest value of each of as many equal stretches as give no more than `most`."""
     even = max(2, most // 2 * 2)
     if values.size <= even:
@@ -86,7 +84,7 @@ def _extremes(values: Array, most: int) -> NDArray[np.int64]:
     return np.asarray(chosen, dtype=np.int64)
 
 
-def _longest(x: Array, after: NDArray[np.bool_], most: int) -> NDArray[np.bool_]:
+def _longest(x: FloatArray, after: BoolArray, most: int) -> BoolArray:
     places = np.flatnonzero(after)
     if places.size <= most:
         return after
@@ -96,7 +94,7 @@ def _longest(x: Array, after: NDArray[np.bool_], most: int) -> NDArray[np.bool_]
     return kept
 
 
-def _parted(x: Array, y: Array, after: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _parted(x: FloatArray, y: FloatArray, after: BoolArray) -> tuple[FloatArray, FloatArray]:
     """The line with a NaN behind every point that a gap follows."""
     places = np.flatnonzero(after) + 1
     middle = (x[places - 1] + x[places]) / 2.0

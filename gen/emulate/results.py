@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.avr.compile import sizes
 from gen.avr.simulator import EmulatedChip
 from gen.coefficients.document import Document
@@ -17,8 +17,6 @@ from gen.emulate.session import Session
 from gen.emulate.wiring.divider import Divider
 from gen.emulate.wiring.led import Seen, read_led
 from gen.record import Part
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ class Results:
         Every bit of the column ``flags`` that was ever set, as one number.
     """
 
-    columns: dict[str, Array]
+    columns: dict[str, FloatArray]
     alarms: list[Alarm]
     acted: list[Acted]
     disbelieved: list[Disbelief]
@@ -159,11 +157,11 @@ def _text_columns(part: Part) -> dict[str, list[str]]:
     return {name: [row[i] for row in rows] for i, name in enumerate(part.columns)}
 
 
-def _numbers(values: list[str]) -> Array:
+def _numbers(values: list[str]) -> FloatArray:
     return np.array([float(text) if text else np.nan for text in values], dtype=np.float64)
 
 
-def _spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float | None]]:
+def _spans(present: BoolArray, time_s: FloatArray) -> list[tuple[float, float | None]]:
     """First and one past the last time of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], present, [False])).astype(np.int8)))
     starts, ends = edges[::2], edges[1::2]
@@ -172,7 +170,7 @@ def _spans(present: NDArray[np.bool_], time_s: Array) -> list[tuple[float, float
     ]
 
 
-def _alarms(rules: list[str], columns: dict[str, Array], led: list[Seen]) -> list[Alarm]:
+def _alarms(rules: list[str], columns: dict[str, FloatArray], led: list[Seen]) -> list[Alarm]:
     if "alarms" not in columns:
         return []
     time_s, mask = columns["time_s"], columns["alarms"].astype(np.int64)
@@ -186,7 +184,7 @@ def _alarms(rules: list[str], columns: dict[str, Array], led: list[Seen]) -> lis
     return sorted(alarms, key=lambda alarm: alarm.raised_s)
 
 
-def _acted(causes: list[str], columns: dict[str, Array]) -> list[Acted]:
+def _acted(causes: list[str], columns: dict[str, FloatArray]) -> list[Acted]:
     if "protection" not in columns:
         return []
     mask = columns["protection"].astype(np.int64)
@@ -198,7 +196,7 @@ def _acted(causes: list[str], columns: dict[str, Array]) -> list[Acted]:
     return sorted(found, key=lambda item: item.from_s)
 
 
-def _disbelieved(channels: list[str], columns: dict[str, Array], text: dict[str, list[str]]) -> list[Disbelief]:
+def _disbelieved(channels: list[str], columns: dict[str, FloatArray], text: dict[str, list[str]]) -> list[Disbelief]:
     if "sensors" not in text:
         return []
     digits = np.array([list(code.zfill(len(channels))) for code in text["sensors"]]).reshape(-1, len(channels))
@@ -210,7 +208,7 @@ def _disbelieved(channels: list[str], columns: dict[str, Array], text: dict[str,
     return sorted(found, key=lambda item: item.from_s)
 
 
-def _differences(columns: dict[str, Array]) -> dict[str, dict[str, float]]:
+def _differences(columns: dict[str, FloatArray]) -> dict[str, dict[str, float]]:
     found = {}
     for name in columns:
         component = name.removesuffix("_model_degC")

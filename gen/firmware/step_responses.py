@@ -9,8 +9,8 @@ from math import ceil, log2
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.program import Program
 from gen.model import Component, NetworkSolution, ThermalModel
 from gen.model.schedules import EXACT
@@ -62,7 +62,7 @@ class BoardCourse:
     """
 
     interval_s: float
-    rises_K: NDArray[np.float64]
+    rises_K: FloatArray
 
 
 def levels(model: ThermalModel) -> list[int]:

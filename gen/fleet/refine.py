@@ -15,15 +15,15 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
 from gen.fleet.chosen import evenly
 from gen.fleet.folder.models import COMMON, identified_paths, model_path, read_model, refined_path, sound
 from gen.fleet.folder.store import Kept, Store
 from gen.fleet.identify import runs_of
-from gen.fleet.statistics.pooling import FloatArray, Pool, Told, pooled
+from gen.fleet.statistics.pooling import Pool, Told, pooled
 from gen.fleet.statistics.shared_effects import Key, said, together, with_means
 from gen.fleet.tasks.effect_tasks import compared, errors_with, numbers_told, promised
 from gen.fleet.tasks.residuals import learnt_by
@@ -256,7 +256,7 @@ def _promising(good: Sequence[Arrays], found: Sequence[Key]) -> list[Key]:
     return best
 
 
-def _alike(told: Told, pool: Pool) -> NDArray[np.bool_]:
+def _alike(told: Told, pool: Pool) -> BoolArray:
     """Motors whose numbers are near the middle of all, shape (M,)."""
     inverse = np.linalg.inv(told.matrix + np.diag(1.0 / pool.variance))
     numbers = np.einsum("mij,mj->mi", inverse, told.vector + pool.mean / pool.variance)

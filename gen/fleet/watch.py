@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.fleet.folder.labels import Labels, labels_of
 from gen.fleet.folder.models import COMMON, in_use, models_of
@@ -19,7 +20,6 @@ from gen.fleet.statistics.batches import groups_of
 from gen.fleet.statistics.findings import LEAST_K, Finding
 from gen.fleet.statistics.judging import FEWEST, Judged, judge
 from gen.fleet.statistics.patterns import Hypothesis
-from gen.fleet.statistics.pooling import FloatArray
 from gen.fleet.tasks.residuals import newest_against_models, products_in
 from gen.fleet.tasks.scouting import as_lists
 from gen.fleet.tasks.work import Arrays, Failed, Progress, Workers, computed, workers_of

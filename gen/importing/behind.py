@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.importing.numbers import Parsed
-from gen.importing.table import IntArray
 from gen.importing.units import Unit, unit_of
 
 _DIGITS = 12

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.importing.dates import (
     DAY_NS,
     DOTTED,
@@ -21,7 +22,7 @@ from gen.importing.dates import (
     time_of_day,
     zone_of,
 )
-from gen.importing.table import FloatArray, InstantArray, IntArray
+from gen.importing.table import InstantArray
 
 _MUCH_SHORTER = 0.2
 """A log of days that would be months is one of days."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.errors import InputError
 from gen.importing import sequence
 from gen.importing.converted import Converted, count_units_apart
@@ -18,7 +18,7 @@ from gen.importing.local import goes_ahead_an_hour, told_reset
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
 from gen.importing.overflow import overflows
-from gen.importing.table import Cells, Counted, FloatArray, IntArray
+from gen.importing.table import Cells, Counted
 from gen.importing.taken import suspect, warn_of_readings
 from gen.importing.timing import ticks_of, timed
 from gen.importing.units import split_name, unit_of
@@ -132,7 +132,7 @@ def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:
     return Evidence([replace(table.of_rows(rows), counted=counted)])
 
 
-def _saying(evidence: Evidence, index: int, mapping: Mapping) -> NDArray[np.bool_]:
+def _saying(evidence: Evidence, index: int, mapping: Mapping) -> BoolArray:
     """Rows that hold something beside their time and their own number: events of a logger are rows as well."""
     names = [entry.source for entry in mapping.column if entry.to]
     says = np.full(evidence.tables[index].rows, bool(mapping.series))  # where a row is a reading of something
@@ -145,7 +145,7 @@ def _saying(evidence: Evidence, index: int, mapping: Mapping) -> NDArray[np.bool
     return says
 
 
-def _known_from_the_first(drive: FloatArray) -> NDArray[np.bool_]:
+def _known_from_the_first(drive: FloatArray) -> BoolArray:
     """Rows from the first known input on: it is held until the next."""
     known = np.isfinite(drive)
     return np.logical_or.accumulate(known)
@@ -160,8 +160,8 @@ def _held(drive: FloatArray, own: IntArray) -> FloatArray:
 
 
 def _left_out(
-    usable: NDArray[np.bool_],
-    known: NDArray[np.bool_],
+    usable: BoolArray,
+    known: BoolArray,
     time: FloatArray,
     drive: FloatArray,
     mapping: Mapping,

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.importing.behind import alone
 from gen.importing.guessing.evidence import Facts
 from gen.importing.numbers import Parsed
-from gen.importing.table import Counted, IntArray, Table
+from gen.importing.table import Counted, Table
 from gen.runs import Run
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping as Named
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.errors import InputError
 from gen.importing.converted import Converted, count_units_apart
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.mapping import InputForm, Mapping
 from gen.importing.odd_inputs import errors_among, glitches_among
-from gen.importing.table import FloatArray
 from gen.importing.units import unit_of
 from gen.runs.drive import FULL_COUNTS
 
@@ -126,6 +125,6 @@ def drive_of(
     return np.asarray(values)
 
 
-def _beyond(values: FloatArray, form: InputForm) -> NDArray[np.bool_]:
+def _beyond(values: FloatArray, form: InputForm) -> BoolArray:
     """Which values exceed the full scale by more than a count's rounding."""
     return np.asarray(np.abs(form.counts_of(values)) > FULL_COUNTS + _HALF_A_COUNT)

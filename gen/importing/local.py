@@ -8,8 +8,8 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import InputError
-from gen.importing.table import FloatArray, IntArray
 
 _HOUR_S = 3600.0
 _NS = 10**9

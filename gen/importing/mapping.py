@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.importing.local import is_zone
 from gen.importing.units import unit_of
@@ -79,7 +78,7 @@ class InputForm(_Part):
             raise ValueError(f"found a rest of {self.rest:g}, expected less than the full scale of {self.full_scale:g}")
         return self
 
-    def counts_of(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def counts_of(self, values: FloatArray) -> FloatArray:
         """Counts that values of the column are, any shape; not rounded."""
         return (values - self.rest) / (self.full_scale - self.rest) * FULL_COUNTS
 

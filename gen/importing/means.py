@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.importing.table import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray
 
 _DIGITS = 9
 

@@ -8,9 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.importing.table import FloatArray, IntArray
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.importing.units import unit_of
 from gen.runs.head import NUMBER
 
@@ -48,12 +47,12 @@ class Parsed:
     """
 
     values: FloatArray
-    empty: NDArray[np.bool_]
-    words: NDArray[np.bool_]
-    text: NDArray[np.bool_]
+    empty: BoolArray
+    words: BoolArray
+    text: BoolArray
     units: tuple[str, ...] = ()
     unit_at: IntArray | None = None
-    converted: NDArray[np.bool_] | None = None
+    converted: BoolArray | None = None
 
     @property
     def numeric(self) -> float:

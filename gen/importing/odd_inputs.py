@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.importing.table import FloatArray
+from gen.arrays import FloatArray
 
 _ERRORS = (999.0, -999.0, 999.9, -999.9, 9999.0, -9999.0, 9999.9)
 _WORDS = {65535.0: "0xFFFF", 32767.0: "0x7FFF", -32768.0: "0x8000", 4294967295.0: "0xFFFFFFFF"}

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.importing.table import FloatArray
+from gen.arrays import BoolArray, FloatArray, IntArray
 
 _OF_CELSIUS: dict[float, str] = {
     -127.0: "DS18B20 not connected",
@@ -57,7 +56,7 @@ _STAYS = 3
 """Rows in a row that a range's end fills where values come near it and none exceeds it."""
 
 
-def overflows(values: FloatArray, *, temperature: str) -> list[tuple[NDArray[np.int64], float, str]]:
+def overflows(values: FloatArray, *, temperature: str) -> list[tuple[IntArray, float, str]]:
     """Rows that hold such a value, by the value; none where it lies in the course of those around it.
 
     Parameters
@@ -96,7 +95,7 @@ def _known(temperature: str) -> tuple[dict[float, str], dict[float, str]]:
     return own | _OF_TEMPERATURES | _OF_ALL, _POWER_ON.get(unit, {}) | _WITHIN_A_RANGE
 
 
-def _leaps(values: FloatArray, rows: NDArray[np.int64], measured: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+def _leaps(values: FloatArray, rows: IntArray, measured: BoolArray, least: float) -> BoolArray:
     """Which of the rows are far from the nearest measured value before and behind them."""
     others = np.flatnonzero(measured)
     if not others.size:
@@ -105,11 +104,11 @@ def _leaps(values: FloatArray, rows: NDArray[np.int64], measured: NDArray[np.boo
     around = np.stack([values[others[np.maximum(after - 1, 0)]], values[others[np.minimum(after, others.size - 1)]]])
     steps = np.abs(np.diff(values[others]))
     usual = float(np.median(steps)) if steps.size else 0.0
-    far: NDArray[np.bool_] = np.abs(around - values[rows]).min(axis=0) > max(least, _LEAP_STEPS * usual)
+    far: BoolArray = np.abs(around - values[rows]).min(axis=0) > max(least, _LEAP_STEPS * usual)
     return far
 
 
-def _stays_at_its_end(values: FloatArray, rows: NDArray[np.int64], measured: NDArray[np.bool_]) -> bool:
+def _stays_at_its_end(values: FloatArray, rows: IntArray, measured: BoolArray) -> bool:
     """Whether a range ends there: values stay at it, row after row, and none goes beyond."""
     if rows.size < _STAYS or not (rows[_STAYS - 1 :] - rows[: 1 - _STAYS] == _STAYS - 1).any():
         return False

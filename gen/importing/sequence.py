@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.errors import InputError
 from gen.importing.local import goes_back
-from gen.importing.table import FloatArray, IntArray
 
 _SOON = 10
 """Rows within which a time that went back is ahead again, if a row was only late."""
@@ -162,7 +161,7 @@ def order(time_s: FloatArray, rows: IntArray, repeats: str, ticks: Ticks = Ticks
     return Order(rows[kept], time[kept], begins, rows[repeated], rows[late], jumped, over)
 
 
-def _spikes(time_s: FloatArray) -> NDArray[np.bool_]:
+def _spikes(time_s: FloatArray) -> BoolArray:
     """Rows whose time alone lies far ahead: the next one goes on from the one before."""
     found = np.zeros(time_s.size, dtype=bool)
     if time_s.size > 2:
@@ -234,7 +233,7 @@ def gap_length(time_s: FloatArray) -> float:
     return max(GAP_STEPS * float(np.median(steps)), GAP_S) if steps.size else GAP_S
 
 
-def gaps(time_s: FloatArray, resets: IntArray, longest_s: float) -> NDArray[np.int64]:
+def gaps(time_s: FloatArray, resets: IntArray, longest_s: float) -> IntArray:
     """Positions that follow a longer interval, those at which the clock begins anew left out."""
     found = np.flatnonzero(np.diff(time_s) > longest_s) + 1
     return np.setdiff1d(found, resets)

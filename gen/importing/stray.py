@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.importing.table import FloatArray
+from gen.arrays import FloatArray
 
 _FAR_K, _COLD_C = 30.0, 45.0
 _MOST = 0.2

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gen.importing.table import FloatArray
+from gen.arrays import FloatArray
 
 _WARM_ROOM = (60.0, 95.0)
 """degC of no room in which a motor is tried, but degF of one."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.sequence import gap_length
-from gen.importing.table import FloatArray
 
 _LEAST_K, _OFF_K = 15.0, 2.0
 """How far a reading goes at once, and how far it may lie off the same temperature in the other unit."""

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from gen.arrays import FloatArray, IntArray
+
 InstantArray = NDArray[np.datetime64]
 _UNIT = re.compile(r"(.+?)(\s*[\[(].*[\])]|_[A-Za-z%]{1,6})?")
 Cells = list[str] | FloatArray | InstantArray

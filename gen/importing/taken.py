@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.importing.converted import Converted
 from gen.importing.stray import stray, too_warm
 from gen.importing.suspicions import suspicions
 from gen.importing.switched_units import switched_at
-from gen.importing.table import FloatArray
 
 _FIRST = 5
 """Readings, by whose median a column begins."""

@@ -7,6 +7,7 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import InputError
 from gen.importing import clock, sequence
 from gen.importing.converted import Converted, count_units_apart
@@ -14,7 +15,7 @@ from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.local import in_utc
 from gen.importing.mapping import Mapping, TimeForm
 from gen.importing.origins import days_since, seconds_since
-from gen.importing.table import Cells, Counted, FloatArray, IntArray
+from gen.importing.table import Cells, Counted
 from gen.importing.units import unit_of
 
 _DAY_S = 86_400.0

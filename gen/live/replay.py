@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.live.control import Control, checked
 from gen.live.pace import Pace
@@ -88,7 +88,7 @@ class ReplaySource(Source):
         self.link = "came to its end"
 
 
-def _modelled(model: Coefficients, run: Run, file: str) -> dict[str, NDArray[np.float64]]:
+def _modelled(model: Coefficients, run: Run, file: str) -> dict[str, FloatArray]:
     """The model's temperatures by the columns that a board would have for them."""
     columns = simulate_run(model, run, "exact", "auto", file)
     names = [name for name in model.model.component_names if f"{name}_model_degC" not in run.extras]

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen.drawing.thinning import line
 from gen.live.heat import Heat
@@ -20,7 +19,6 @@ from gen.record import Recorder
 from gen.reference.sensors import SensorCode
 from gen.runs.run import STATUS, board_columns
 
-Array = NDArray[np.float64]
 Row = list[float | None]
 
 _KEPT_LINES = 60

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from itertools import accumulate, groupby, islice, repeat
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import (
     MOST_SAMPLES,
@@ -29,8 +29,6 @@ from gen.coefficients.document import Document
 from gen.lowering.heat import LoweredHeat, lower_heat
 from gen.lowering.samples import samples
 from gen.model import Component, ThermalModel
-
-Array = NDArray[np.float64]
 
 #: A start from measured temperatures alone knows no slopes: rules wait until what that can do has fallen below this.
 START_MARGIN_K = 0.5
@@ -200,7 +198,7 @@ def start_wait(model: ThermalModel, name: str, counts: range) -> int:
     return max(_fading_time(matrix, times * later, model, read) for matrix in inside)
 
 
-def _slopes(component: Component, levels: NDArray[np.int64], matrices: Array) -> Array:
+def _slopes(component: Component, levels: IntArray, matrices: FloatArray) -> FloatArray:
     """What a start takes as zero, shape (n, cases): slopes on the way down from each steady state; up is its mirror."""
     cases = []
     for matrix, steady in zip(matrices, component.steady_rise(levels), strict=True):
@@ -212,7 +210,7 @@ def _slopes(component: Component, levels: NDArray[np.int64], matrices: Array) ->
     return np.concatenate(cases).T
 
 
-def _hidden(model: ThermalModel, levels: NDArray[np.int64]) -> Array:
+def _hidden(model: ThermalModel, levels: IntArray) -> FloatArray:
     """Hidden nodes less where a start puts them, shape (nodes, cases): on the way up to each steady state, and down."""
     network = model.network
     assert network is not None
@@ -232,14 +230,14 @@ def _hidden(model: ThermalModel, levels: NDArray[np.int64]) -> Array:
     return np.concatenate(cases).T
 
 
-def _responses(matrix: Array) -> Array:
+def _responses(matrix: FloatArray) -> FloatArray:
     """Transition matrices over times that span the way to rest, shape (times, n, n)."""
     slowest = 1.0 / np.abs(np.linalg.eigvals(matrix).real).min()
     times = np.concatenate([[0.0], np.geomspace(slowest / 100.0, slowest * 3.0, _START_TIMES)])
     return np.array([expm(matrix * time) for time in times])
 
 
-def _fading_time(matrix: Array, errors: Array, model: ThermalModel, read: int) -> int:
+def _fading_time(matrix: FloatArray, errors: FloatArray, model: ThermalModel, read: int) -> int:
     """Samples after which every error, shape (n, cases), stays below the margin."""
     most = int(MOST_SAMPLES * model.sample_time / _START_STEP_S)
     last, below = 0, 0
@@ -253,7 +251,7 @@ def _fading_time(matrix: Array, errors: Array, model: ThermalModel, read: int) -
     return min(MOST_SAMPLES, int(np.ceil((last + 1) * _START_STEP_S / model.sample_time)))
 
 
-def _largest(step: Array, errors: Array, read: int) -> Iterator[float]:
+def _largest(step: FloatArray, errors: FloatArray, read: int) -> Iterator[float]:
     """The largest of the errors read, by step; a block of the matrix's powers is one product."""
     rows = list(accumulate(repeat(step, _START_BLOCK - 1), np.matmul, initial=step[read]))
     onward = np.linalg.matrix_power(step, _START_BLOCK)

@@ -17,13 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients.alarms import MissingHeat, window_counts
 from gen.coefficients.document import Document
 from gen.model import ThermalModel
-
-Array = NDArray[np.float64]
 
 BLOCK_S = 20.0
 """Samples are taken together for so long."""
@@ -156,7 +154,7 @@ def lower_heat(document: Document, model: ThermalModel, rule: MissingHeat) -> Lo
     )
 
 
-def slowest_rates(model: ThermalModel, name: str, levels: NDArray[np.int64]) -> Array:
+def slowest_rates(model: ThermalModel, name: str, levels: IntArray) -> FloatArray:
     """Slowest rate of a component's model at each |PWM|, 1/s: of a network's, the network's.
 
     Parameters
@@ -174,7 +172,7 @@ def slowest_rates(model: ThermalModel, name: str, levels: NDArray[np.int64]) -> 
     return np.array([np.abs(np.linalg.eigvals(matrix).real).min() for matrix in matrices])
 
 
-def _levels(model: ThermalModel) -> NDArray[np.int64]:
+def _levels(model: ThermalModel) -> IntArray:
     """|PWM| in the middle of each bin, within the model's domain."""
     middle = np.arange(BINS) * BIN_COUNTS + BIN_COUNTS // 2
     return np.minimum(middle, model.domain_pwm[1])
@@ -184,7 +182,7 @@ def _forgetting(remembered_s: float | None, seconds: float) -> int:
     return 1 << RATE_BITS if remembered_s is None else _lost(np.array([1.0 / remembered_s]), seconds)[0]
 
 
-def _lost(rates: Array, seconds: float) -> tuple[int, ...]:
+def _lost(rates: FloatArray, seconds: float) -> tuple[int, ...]:
     whole = 1 << RATE_BITS
     lost = np.rint(whole * -np.expm1(-rates * seconds)).astype(np.int64)
     return tuple(int(value) for value in np.clip(lost, 1, whole - 1))

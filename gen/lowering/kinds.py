@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 Arithmetic = Literal["fixed", "float"]
 
 
 ScheduleKind = Literal["table", "onboard"]
 
-
-Integers = NDArray[np.int64]
 
 #: Bits after the binary point of what is given out in thousandths: times 125 it fits 32 bits.
 OUTPUT_BITS = 25

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from math import inf
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import IntArray
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed, InputError
 from gen.lowering import float32
@@ -144,9 +142,7 @@ def _onboard(
     return given, tape
 
 
-def _float_rows(
-    lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: NDArray[np.int64]
-) -> FloatComponent:
+def _float_rows(lowered: FloatComponent, exact: Dynamics, tape: OnboardComponent, rows: IntArray) -> FloatComponent:
     rates, steady = evaluate(tape, rows)
     return float32.with_rows(lowered, exact, rates, steady)
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Integers = NDArray[np.int64]
+from gen.arrays import IntArray
 
 #: Largest |rise| that a start can have, in thousandths of a kelvin: all steps then fit 32 bits.
 LARGEST_MK = (1 << 23) - 1
@@ -15,7 +14,7 @@ LARGEST_MK = (1 << 23) - 1
 _TOGETHER = 1 << 19
 
 
-def worst_start(word: Callable[[Integers], Integers], bits: int, range_mK: tuple[int, int]) -> float:
+def worst_start(word: Callable[[IntArray], IntArray], bits: int, range_mK: tuple[int, int]) -> float:
     """The most that a start can be off, in K: of every one in the range, in whole numbers.
 
     Parameters

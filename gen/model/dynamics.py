@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gen.model.schedules import EXACT, FloatArray, Schedule
+from gen.arrays import FloatArray, IntArray
+from gen.model.schedules import EXACT, Schedule
 
 if TYPE_CHECKING:
     import control
@@ -287,7 +288,7 @@ class ThermalModel:
         return control.sample_system(self.transfer_function(component_name, pwm), self.sample_time, method="zoh")
 
 
-def _counts(pwm: ArrayLike) -> NDArray[np.int64]:
+def _counts(pwm: ArrayLike) -> IntArray:
     array: NDArray[Any] = np.atleast_1d(np.asarray(pwm))
     if array.dtype.kind not in "iu":
         raise TypeError(f"|PWM| is an integer, not {array.dtype}")

@@ -14,10 +14,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.model.dynamics import MAX_PWM, PWM_LEVELS, Component, ThermalModel
-from gen.model.schedules import FloatArray
 
 _CHUNK = 1 << 15
 """Matrices exponentiated at once, to bound the memory of long irregular runs."""
@@ -42,7 +42,7 @@ class ExactSolution:
 
     def __init__(self, model: ThermalModel) -> None:
         self.model = model
-        self._known: list[NDArray[np.bool_]] = [np.zeros(PWM_LEVELS, dtype=np.bool_) for _ in model.components]
+        self._known: list[BoolArray] = [np.zeros(PWM_LEVELS, dtype=np.bool_) for _ in model.components]
         self._table = [
             _Steps(np.zeros((PWM_LEVELS, c.order, c.order)), np.zeros((PWM_LEVELS, c.order))) for c in model.components
         ]
@@ -220,7 +220,7 @@ class ExactSolution:
             raise KeyError(f"no component {', '.join(sorted(unknown))}")
         return initial_rise or {}
 
-    def _grid_steps(self, position: int, used: NDArray[np.int64]) -> _Steps:
+    def _grid_steps(self, position: int, used: IntArray) -> _Steps:
         component, known, table = (
             self.model.components[position],
             self._known[position],
@@ -236,7 +236,7 @@ class ExactSolution:
         return table
 
 
-def magnitude(pwm: ArrayLike) -> NDArray[np.int64]:
+def magnitude(pwm: ArrayLike) -> IntArray:
     """|PWM| of integer PWM, -255..255, any shape.
 
     Raises
@@ -261,7 +261,7 @@ def _time_scale(component: Component) -> float:
     return float(2.0 ** np.round(-np.log2(rate)))
 
 
-def _step_matrices(component: Component, tau: float, pwm: NDArray[np.int64], step: FloatArray) -> _Steps:
+def _step_matrices(component: Component, tau: float, pwm: IntArray, step: FloatArray) -> _Steps:
     """Exponentiate [[M, 1], [0, 0]]: its upper right block is phi(M) = (exp(M) - 1) / M, for any M.
 
     For order 1 the matrix exponential is the exponential itself.
@@ -291,9 +291,7 @@ def _step_matrices(component: Component, tau: float, pwm: NDArray[np.int64], ste
     return _Steps(increment, forced)
 
 
-def _run(
-    steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray, over: FloatArray | None = None
-) -> None:
+def _run(steps: _Steps, index: IntArray, x: FloatArray, out: FloatArray, over: FloatArray | None = None) -> None:
     """March one lane; over the ambient of a step a rise obeys the same equation as over a fixed one."""
     if over is not None:
         out[0] = x[: out.shape[-1]]
@@ -320,9 +318,7 @@ def _run(
         out[k + 1] = x[:kept]
 
 
-def _run_lanes(
-    steps: _Steps, index: NDArray[np.int64], x: FloatArray, out: FloatArray, over: FloatArray | None = None
-) -> None:
+def _run_lanes(steps: _Steps, index: IntArray, x: FloatArray, out: FloatArray, over: FloatArray | None = None) -> None:
     kept = out.shape[-1]
     out[:, 0] = x[:, :kept]
     for k in range(index.shape[1]):

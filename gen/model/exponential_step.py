@@ -13,9 +13,9 @@ from math import factorial
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.model.law_solution import LawFlow
 from gen.model.law_steps import exponential
-from gen.model.schedules import FloatArray
 
 _LARGEST_OFF = 2e-11
 """K, by which the end may move from a polynomial of degree 2, extrapolated, to one of degree 3: what rows err by

@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import CheckFailed
 from gen.model.dynamics import PWM_LEVELS, Component, ThermalModel
 from gen.model.effects.base import Applied
 from gen.model.effects.integrate import Slot, Track, readings, start_shift
 from gen.model.effects.response import response
 from gen.model.exact import ExactSolution
-from gen.model.schedules import FloatArray
 
 FINEST_S = 1.0
 """Longest step of the effects' states: a thermal time constant is hundreds of these."""
@@ -72,7 +71,7 @@ class ExtendedSolution:
     def simulate_times(
         self,
         time_s: FloatArray,
-        pwm: NDArray[np.int64],
+        pwm: IntArray,
         ambient: FloatArray,
         measured_ambient: FloatArray,
         channels: Mapping[str, FloatArray],
@@ -156,7 +155,7 @@ class ExtendedSolution:
     def _track(
         component: Component,
         shared: Track,
-        counts: NDArray[np.int64],
+        counts: IntArray,
         ambient: FloatArray,
         measured_ambient: FloatArray,
         start_rise: Mapping[str, float],
@@ -177,7 +176,7 @@ class ExtendedSolution:
         )
 
 
-def _refined(time_s: FloatArray, finest_s: float) -> tuple[FloatArray, NDArray[np.int64]]:
+def _refined(time_s: FloatArray, finest_s: float) -> tuple[FloatArray, IntArray]:
     """The run's times with more between them where they lie far apart, and where the run's own are."""
     parts = np.maximum(np.ceil(np.diff(time_s) / finest_s - 1e-9), 1.0).astype(np.int64)
     rows = np.concatenate([[0], np.cumsum(parts)])
@@ -186,7 +185,7 @@ def _refined(time_s: FloatArray, finest_s: float) -> tuple[FloatArray, NDArray[n
     return np.interp(np.arange(rows[-1] + 1), rows, time_s), rows
 
 
-def _shared(model: ThermalModel, time: FloatArray, pwm: NDArray[np.int64], channels: dict[str, FloatArray]) -> Track:
+def _shared(model: ThermalModel, time: FloatArray, pwm: IntArray, channels: dict[str, FloatArray]) -> Track:
     nothing = np.zeros(time.size)
     counts = np.abs(pwm[:-1]).astype(np.float64)
     return Track(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from gen.model.schedules import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray
 
 
 class Lane(NamedTuple):

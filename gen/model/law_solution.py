@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.model.lane import Lane
 from gen.model.laws import Law, LawsTogether
-from gen.model.schedules import FloatArray, IntArray
 
 _HALVES = (2, 4, 6)
 """Parts of a piece in each row of the extrapolation."""
@@ -83,7 +82,7 @@ class LawPaths:
         return self._laws.driving(states[..., self._first], states[..., self._second])
 
 
-def advanced(rate: Rate, states: FloatArray, length: NDArray[np.float64]) -> FloatArray:
+def advanced(rate: Rate, states: FloatArray, length: FloatArray) -> FloatArray:
     """Integrate every lane over its own interval.
 
     Parameters

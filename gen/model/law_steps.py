@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.compiled import compiled
 from gen.model.lane import Lane
 from gen.model.laws import ZERO_C
-from gen.model.schedules import FloatArray, IntArray
 
 
 @compiled

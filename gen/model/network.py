@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.model.laws import Law
 from gen.model.network_parts import Channel, Curve, Factor, Heat, Node, Path
-from gen.model.schedules import FloatArray
 
 PWM_LEVELS = 256
 NEAR = 0.5
@@ -124,7 +124,7 @@ class Network:
         return {channel.column: channel.neutral for channel in self.channels}
 
     def matrices(
-        self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None = None
+        self, pwm: IntArray, told: Mapping[str, ArrayLike] | None = None
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Give dT/dt = M T + a T_ambient + f at some moments, every law being the difference of both temperatures.
 
@@ -147,7 +147,7 @@ class Network:
         return self.matrices_with(pwm, path_factors, heat_factors)
 
     def matrices_with(
-        self, pwm: NDArray[np.int64], path_factors: Sequence[ArrayLike], heat_factors: Sequence[ArrayLike]
+        self, pwm: IntArray, path_factors: Sequence[ArrayLike], heat_factors: Sequence[ArrayLike]
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Give the same for given factors, whatever the channels.
 
@@ -251,7 +251,7 @@ class Network:
         return np.asarray(weights / weights.sum(axis=1, keepdims=True), dtype=np.float64)
 
 
-def _reached(inner: FloatArray, given: FloatArray) -> NDArray[np.bool_]:
+def _reached(inner: FloatArray, given: FloatArray) -> BoolArray:
     """Which unknown nodes are tied to something given, along conductances above 0."""
     reached = given > 0.0
     while True:

@@ -8,8 +8,9 @@ from decimal import Decimal, localcontext
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen.arrays import FloatArray
 from gen.model.laws import Law
-from gen.model.schedules import EXACT, FloatArray, Schedule
+from gen.model.schedules import EXACT, Schedule
 
 AMBIENT = "ambient"
 """What a path to the surroundings names in the place of a node."""

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import nnls
 
+from gen.arrays import FloatArray
 from gen.model.network import Network
-from gen.model.schedules import FloatArray
 
 SPEEDS = 5
 SLOWEST = 0.2

@@ -13,13 +13,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from gen.arrays import FloatArray, IntArray
 from gen.model.dynamics import ThermalModel
 from gen.model.exact import magnitude
 from gen.model.law_solution import LawFlow, LawPaths, advanced, advanced_alone
 from gen.model.network import Network
-from gen.model.schedules import FloatArray
 
 _CHUNK = 1 << 21
 """Entries of the matrices exponentiated at once, to bound the memory of long irregular runs: 16 MB an array."""
@@ -178,7 +178,7 @@ class NetworkSolution:
     def advance(
         self,
         states: FloatArray,
-        pwm: NDArray[np.int64],
+        pwm: IntArray,
         step: FloatArray,
         ambient: FloatArray,
         told: Mapping[str, ArrayLike] | None = None,
@@ -200,7 +200,7 @@ class NetworkSolution:
         change = np.einsum("lij,lj->li", made.increment, states) + made.heat
         return np.asarray(states + change + made.ambient * ambient[:, None], dtype=np.float64)
 
-    def flow(self, pwm: NDArray[np.int64], told: Mapping[str, ArrayLike] | None = None) -> LawFlow:
+    def flow(self, pwm: IntArray, told: Mapping[str, ArrayLike] | None = None) -> LawFlow:
         """dT/dt of states as :meth:`start` gives them and then the ambient, which stays; arguments as of `advance`."""
         network = self.network
         values = {**network.neutral(), **(told or {})}
@@ -235,7 +235,7 @@ class NetworkSolution:
         return self.steps(inputs[:, 0].astype(np.int64), inputs[:, 1], told)
 
     @staticmethod
-    def _march(steps: Steps, index: NDArray[np.int64], room: FloatArray, out: FloatArray) -> None:
+    def _march(steps: Steps, index: IntArray, room: FloatArray, out: FloatArray) -> None:
         state = out[0]
         for k, i in enumerate(index.tolist()):
             state = state + (steps.increment[i] @ state + steps.ambient[i] * room[k] + steps.heat[i])
@@ -278,7 +278,7 @@ class NetworkSolution:
         drifted = np.zeros((*nodes.shape[:-1], len(self._drifts)))
         return np.concatenate([nodes, nodes[..., [node for node, _ in self._lags]], drifted], axis=-1)
 
-    def steps(self, pwm: NDArray[np.int64], step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:
+    def steps(self, pwm: IntArray, step: FloatArray, told: Mapping[str, ArrayLike] | None = None) -> Steps:
         """Step matrices of intervals, every law being the difference of both temperatures.
 
         Parameters

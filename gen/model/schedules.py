@@ -15,10 +15,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from gen.arrays import FloatArray
+
 Interpolation = Literal["pchip", "linear"]
 
 EXACT = Context(prec=40, traps=[])

@@ -17,12 +17,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import START_K
 from gen.identification.network.fitting.problem import Problem
 from gen.planning.hypotheses import Remaining
 from gen.planning.march import March, Predicted, problem_of
-from gen.planning.stage import PwmArray, Stage
+from gen.planning.stage import Stage
 from gen.refinement.network.fitting.anchored import Anchored
 
 REFITS, ENOUGH = 8, 1e-3
@@ -85,7 +85,7 @@ class Expected:
         """Of each reading, shape (T S,), 1/K^2."""
         return np.tile(self.stage.bin_s / self.remaining.density, bins)
 
-    def worth(self, index: PwmArray) -> FloatArray:
+    def worth(self, index: IntArray) -> FloatArray:
         """Give what is maximised, of each of K runs, shape (K,).
 
         Of several hypotheses the mean over all pairs, either way round, of log(1 + separation): what can hardly be told
@@ -124,7 +124,7 @@ class Expected:
         taken = np.sum(by * np.linalg.solve(matrix, by), axis=1)
         return np.asarray(np.mean(np.sum(weight[:, None] * away**2, axis=1) - taken, axis=1))
 
-    def whole(self, index: PwmArray) -> Apart:
+    def whole(self, index: IntArray) -> Apart:
         """Give how far apart the hypotheses are in one run, by whole fits and not by their linear part.
 
         Parameters
@@ -137,7 +137,7 @@ class Expected:
         found = np.array(both).reshape(len(both), 2, 2)
         return Apart(found[..., 0], np.sqrt(np.mean(found[..., 1] ** 2, axis=1)))
 
-    def _refitted(self, true: int, other: int, pwm: PwmArray) -> tuple[float, float]:
+    def _refitted(self, true: int, other: int, pwm: IntArray) -> tuple[float, float]:
         """One hypothesis fitted to what another may be: mean of the least squares, and what is left, K."""
         density, hypotheses = self.remaining.density, self.remaining.hypotheses
         source = problem_of(hypotheses[true], self.stage, pwm[None], density)
@@ -151,7 +151,7 @@ class Expected:
         squares, left = np.array(found).T
         return float(np.mean(squares)), float(np.sqrt(np.mean(left**2)))
 
-    def deviations(self, index: PwmArray) -> tuple[FloatArray, FloatArray]:
+    def deviations(self, index: IntArray) -> tuple[FloatArray, FloatArray]:
         """Standard deviations of the first hypothesis's numbers, before a run and after it, shape (size,) each.
 
         Parameters
@@ -164,7 +164,7 @@ class Expected:
         size = self.remaining.hypotheses[0].shape.size
         return made[0][:size], made[1][:size]
 
-    def readings_95_K(self, index: PwmArray) -> tuple[float, float]:
+    def readings_95_K(self, index: IntArray) -> tuple[float, float]:
         """Half of the widest 95 % interval of a predicted reading along a run, before it and after it, K.
 
         Parameters
@@ -177,12 +177,12 @@ class Expected:
         before_K, after_K = (1.96 * float(np.sqrt(max(float(v.max()), 0.0))) for v in variance)
         return before_K, after_K
 
-    def _before_and_after(self, index: PwmArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+    def _before_and_after(self, index: IntArray) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
         """Sensitivities of the first hypothesis along a run, and its information matrices before and after it."""
         found = self._marches[0].predicted(index[None])
         return found.slopes[0], (self._priors[0], self._information(0, found, self.weight(index.size))[0])
 
-    def hottest(self, index: PwmArray) -> FloatArray:
+    def hottest(self, index: IntArray) -> FloatArray:
         """Give the hottest temperature of each of the file's nodes by any hypothesis, shape (K, n), degC.
 
         Parameters

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.anchored import Anchored

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.model.network_parts import AMBIENT
 from gen.planning.hypotheses import Hypothesis
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import OverTemperature
 from gen.errors import InputError
-from gen.identification.network.fitting.bins import FloatArray
 from gen.model.network import Network
 from gen.model.network_parts import PWM
 from gen.planning.hypotheses import Remaining
@@ -38,7 +37,7 @@ class Limits:
     levels: tuple[int, ...]
     hottest: FloatArray
 
-    def kept(self, hottest: FloatArray) -> NDArray[np.bool_]:
+    def kept(self, hottest: FloatArray) -> BoolArray:
         """Whether runs keep to it, by their hottest temperatures, shape (K, n) to (K,)."""
         return np.asarray(np.all(hottest <= self.hottest, axis=1))
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import START_K
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.simulation import sources_of, steps_of
 from gen.planning.hypotheses import Hypothesis
-from gen.planning.stage import PwmArray, Stage
+from gen.planning.stage import Stage
 from gen.refinement.network.fitting.anchored import Anchored
 
 
@@ -39,7 +39,7 @@ class Predicted:
     hottest: FloatArray
 
 
-def problem_of(hypothesis: Hypothesis, stage: Stage, pwm: PwmArray, density: FloatArray) -> Problem[Anchored]:
+def problem_of(hypothesis: Hypothesis, stage: Stage, pwm: IntArray, density: FloatArray) -> Problem[Anchored]:
     """Give the problem of a hypothesis in runs, its numbers known as well as the runs before tell.
 
     Parameters
@@ -91,7 +91,7 @@ class March:
         # (L, p, n + 1, n): what a state, and 1, add to the derivatives.
         self._sources = np.stack([*(one / 100.0 for one in by_state), constant], axis=-1)
 
-    def hottest(self, index: PwmArray) -> FloatArray:
+    def hottest(self, index: IntArray) -> FloatArray:
         """Give the hottest temperature of each of the file's nodes, shape (K, n), degC.
 
         Parameters
@@ -107,7 +107,7 @@ class March:
             np.maximum(hottest, state, out=hottest)
         return hottest[:, : shape.base_nodes]
 
-    def predicted(self, index: PwmArray) -> Predicted:
+    def predicted(self, index: IntArray) -> Predicted:
         """Simulate with sensitivities; the argument is that of :meth:`hottest`."""
         shape = self._hypothesis.shape
         runs, bins, nodes, sensors = *index.shape, shape.nodes, shape.sensors

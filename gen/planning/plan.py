@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.coefficients import Coefficients
 from gen.identification.network.fitting.inputs import held
 from gen.planning.expected import Expected
@@ -17,7 +18,7 @@ from gen.planning.intervals import intervals
 from gen.planning.limits import Limits, Wishes, limits_of
 from gen.planning.planned_run import Plan, Told
 from gen.planning.search import BINS, Search, grid_of, time_constants
-from gen.planning.stage import PwmArray, Stage
+from gen.planning.stage import Stage
 from gen.refinement.network.prepared import prepared
 from gen.refinement.network.tracing.trace import trace
 
@@ -71,7 +72,7 @@ def plan_run(
 
 
 def _plan(
-    expected: Expected, limits: Limits, block_s: float, runs: tuple[PwmArray, PwmArray], warnings: Sequence[str]
+    expected: Expected, limits: Limits, block_s: float, runs: tuple[IntArray, IntArray], warnings: Sequence[str]
 ) -> Plan:
     best, plain = runs
     left: Remaining = expected.remaining
@@ -97,7 +98,7 @@ def _plan(
     )
 
 
-def _holds(blocks: PwmArray, block_s: float) -> tuple[tuple[int, float], ...]:
+def _holds(blocks: IntArray, block_s: float) -> tuple[tuple[int, float], ...]:
     """What is held for how long; times in whole seconds."""
     ends, made, begin, at = block_s * np.arange(1, blocks.size + 1), [], 0.0, 0
     for level, group in groupby(blocks.tolist()):

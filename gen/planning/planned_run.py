@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray, IntArray
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.intervals import Interval
-from gen.planning.stage import PwmArray
 from gen.refinement.network.planned import Expectation, Pair
 from gen.runs import EXPECTS
 
@@ -99,7 +98,7 @@ class Plan:
             )
         return Expectation(beside=self.beside, pairs=tuple(pairs), holds=self.holds)
 
-    def rows(self) -> tuple[FloatArray, PwmArray]:
+    def rows(self) -> tuple[FloatArray, IntArray]:
         """Give the profile's rows: times in s, and the PWM that acts from then on."""
         begins = np.concatenate([[0.0], np.cumsum([seconds for _, seconds in self.holds])])
         pwm = [level for level, _ in self.holds]

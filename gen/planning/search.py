@@ -12,15 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.identification.network.fitting.simulation import steps_of
 from gen.planning.expected import Expected
 from gen.planning.hypotheses import Hypothesis
 from gen.planning.limits import Limits, nothing_is_cold_enough
-from gen.planning.stage import PwmArray
 
 SHORTEST_BLOCK_S, MOST_BLOCKS, FEWEST_BLOCKS = 300.0, 24, 6
 BINS = 3
@@ -103,8 +101,8 @@ class Sought:
         The same of the best run that holds one level or climbs in steps.
     """
 
-    best: PwmArray
-    plain: PwmArray
+    best: IntArray
+    plain: IntArray
 
 
 class Search:
@@ -157,10 +155,10 @@ class Search:
             names = self._expected.remaining.hypotheses[0].shape.names
             raise nothing_is_cold_enough(self._limits, hottest[0], names, levels[coolest])
 
-    def _bins(self, blocks: PwmArray) -> PwmArray:
+    def _bins(self, blocks: IntArray) -> IntArray:
         return np.repeat(blocks, BINS, axis=1)
 
-    def _worth(self, blocks: PwmArray) -> FloatArray:
+    def _worth(self, blocks: IntArray) -> FloatArray:
         """What runs are worth, shape (K,); minus infinity beyond the limits."""
         made = np.full(len(blocks), -np.inf)
         allowed = np.flatnonzero(self._allowed(blocks))
@@ -169,10 +167,10 @@ class Search:
             made[part] = self._expected.worth(self._bins(blocks[part]))
         return made
 
-    def _allowed(self, blocks: PwmArray) -> NDArray[np.bool_]:
+    def _allowed(self, blocks: IntArray) -> BoolArray:
         return self._limits.kept(self._expected.hottest(self._bins(blocks)))
 
-    def _plain(self) -> PwmArray:
+    def _plain(self) -> IntArray:
         """Runs that hold a level, with or without rest at the end; and stairs, up and down."""
         blocks, levels = self._grid.blocks, self._limits.levels
         made = [np.full(blocks, k) for k in range(len(levels))]
@@ -183,7 +181,7 @@ class Search:
         stairs = np.array(forwards)[np.arange(blocks) * len(forwards) // blocks]
         return np.array([*made, stairs, stairs[::-1]], dtype=np.int64)
 
-    def _by_chance(self) -> PwmArray:
+    def _by_chance(self) -> IntArray:
         """Runs of stretches of the network's time constants at levels by chance."""
         made = np.zeros((BY_CHANCE, self._grid.blocks), dtype=np.int64)
         for run in made:
@@ -194,7 +192,7 @@ class Search:
                 at += length
         return made
 
-    def _improved(self, blocks: PwmArray, worth: float) -> tuple[PwmArray, float]:
+    def _improved(self, blocks: IntArray, worth: float) -> tuple[IntArray, float]:
         """Exchange stretches until nothing tells more."""
         for _ in range(SWEEPS):
             before = worth
@@ -210,7 +208,7 @@ class Search:
                 break
         return blocks, worth
 
-    def _exchanged(self, blocks: PwmArray, begin: int) -> PwmArray:
+    def _exchanged(self, blocks: IntArray, begin: int) -> IntArray:
         """The run with each stretch from a block on at each level."""
         made = []
         for length in self._grid.stretches:

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import Binned, FloatArray
+from gen.arrays import FloatArray, IntArray
+from gen.identification.network.fitting.bins import Binned
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.model.network_parts import PWM
 from gen.refinement.network.changing.columns import POWERS
 from gen.refinement.network.fitting.data import DEGREE, Data
-
-PwmArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +39,7 @@ class Stage:
     bin_s: float
     noise_K: FloatArray
 
-    def inputs(self, pwm: PwmArray) -> Inputs:
+    def inputs(self, pwm: IntArray) -> Inputs:
         """Put runs side by side.
 
         Parameters
@@ -93,7 +91,7 @@ class Stage:
             further=np.zeros((bins, 0)),
         )
 
-    def _levels(self, pwm: PwmArray) -> Levels:
+    def _levels(self, pwm: IntArray) -> Levels:
         """Distinct PWM as inputs, shape (L,)."""
         speed = np.abs(pwm) / self.full_scale
         rest = (pwm == 0).astype(np.float64)

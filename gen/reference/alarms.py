@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray, RecordArray
 from gen.lowering.alarms import AHEAD_TIMES, HASTE_mK, LoweredRule, asks_heat
 from gen.model.dynamics import MAX_PWM
 from gen.reference.heat import ReferenceHeat, fields
-
-Integers = NDArray[np.int64]
-Record = NDArray[np.void]
 
 
 class ReferenceAlarms:
@@ -32,7 +29,7 @@ class ReferenceAlarms:
         to hear when the alarm came that they require.
     """
 
-    def __init__(self, rules: Sequence[LoweredRule], trusted: NDArray[np.bool_]) -> None:
+    def __init__(self, rules: Sequence[LoweredRule], trusted: BoolArray) -> None:
         self._rules = tuple(rules)
         lanes = len(trusted)
         self.latched = np.zeros(lanes, dtype=np.int64)
@@ -47,7 +44,7 @@ class ReferenceAlarms:
             len(rules), lanes
         )
 
-    def advance(self, record: Record) -> None:
+    def advance(self, record: RecordArray) -> None:
         """Go on from what a board keeps, shape (L,), see :func:`alarm_record_type`."""
         for number, rule in enumerate(self._rules):
             self._settled[number] = record[f"{rule.name}.settled"]
@@ -58,7 +55,7 @@ class ReferenceAlarms:
         for mask in _masks(self._rules):
             setattr(self, mask, record[mask].astype(np.int64))
 
-    def restore(self, latched: Integers) -> None:
+    def restore(self, latched: IntArray) -> None:
         """Raise alarms that were latched before a reset of the board.
 
         Parameters
@@ -68,7 +65,7 @@ class ReferenceAlarms:
         """
         self.latched |= latched & ((1 << len(self._rules)) - 1)
 
-    def reset(self, lanes: NDArray[np.bool_]) -> None:
+    def reset(self, lanes: BoolArray) -> None:
         """Forget the alarms raised in the lanes that are marked, shape (L,)."""
         # A limit's persistence goes on: else resets in time would keep its alarm away for ever.
         held = [self._held[number] for number, rule in enumerate(self._rules) if rule.quantity != "measured"]
@@ -78,12 +75,12 @@ class ReferenceAlarms:
 
     def step(
         self,
-        pwm: Integers,
-        measured_mC: Integers,
-        model_mC: Integers,
-        valid: Integers,
-        plausible: Integers | None = None,
-        rising_mK: Integers | None = None,
+        pwm: IntArray,
+        measured_mC: IntArray,
+        model_mC: IntArray,
+        valid: IntArray,
+        plausible: IntArray | None = None,
+        rising_mK: IntArray | None = None,
     ) -> None:
         """Evaluate every rule after a sample.
 
@@ -123,7 +120,7 @@ class ReferenceAlarms:
             self._mark(number, "active", on=raised, off=released)
             self._mark(number, "latched", on=raised, off=np.zeros_like(raised))
 
-    def record(self) -> Record:
+    def record(self) -> RecordArray:
         """What the board keeps, shape (L,), see :func:`alarm_record_type`."""
         record = np.zeros(len(self.latched), dtype=alarm_record_type(self._rules))
         for number, rule in enumerate(self._rules):
@@ -136,12 +133,12 @@ class ReferenceAlarms:
             record[mask] = getattr(self, mask)
         return record
 
-    def _awake(self, number: int, rule: LoweredRule, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _awake(self, number: int, rule: LoweredRule, inside: BoolArray) -> BoolArray:
         waiting = inside & (self._wait[number] > 0)
         settling = inside & (self._settled[number] < rule.settle)
         self._wait[number] -= waiting
         self._settled[number] += settling
-        awake: NDArray[np.bool_] = ~waiting & ~settling
+        awake: BoolArray = ~waiting & ~settling
         if rule.requires is not None:
             awake &= ((self.latched >> rule.requires) & 1) == 1
         if rule.unless is not None:
@@ -154,20 +151,20 @@ class ReferenceAlarms:
         return awake
 
     def _holds(
-        self, number: int, rule: LoweredRule, value: Integers, trip: Integers, clear: Integers, seen: NDArray[np.bool_]
-    ) -> NDArray[np.bool_]:
+        self, number: int, rule: LoweredRule, value: IntArray, trip: IntArray, clear: IntArray, seen: BoolArray
+    ) -> BoolArray:
         if rule.heat is not None:
-            reached: NDArray[np.bool_] = self._heat.sums[number] >= rule.heat.limit
+            reached: BoolArray = self._heat.sums[number] >= rule.heat.limit
             return reached
         if rule.sum_limit is None:
-            above: NDArray[np.bool_] = value > np.where(self._held[number] > 0, clear, trip)
+            above: BoolArray = value > np.where(self._held[number] > 0, clear, trip)
             return above
         total = np.clip(self._sum[number] + value - trip, 0, rule.sum_limit)
         self._sum[number] = np.where(seen, total, self._sum[number])
-        full: NDArray[np.bool_] = self._sum[number] == rule.sum_limit
+        full: BoolArray = self._sum[number] == rule.sum_limit
         return full
 
-    def _mark(self, number: int, mask: str, *, on: NDArray[np.bool_], off: NDArray[np.bool_]) -> None:
+    def _mark(self, number: int, mask: str, *, on: BoolArray, off: BoolArray) -> None:
         values = getattr(self, mask)
         values |= np.where(on, 1 << number, 0)
         values &= np.where(off, ~(1 << number), -1)
@@ -190,10 +187,10 @@ def _masks(rules: Sequence[LoweredRule]) -> tuple[str, ...]:
 
 
 def compared(
-    rule: LoweredRule, measured_mC: Integers, model_mC: Integers, rising_mK: Integers | None = None
-) -> Integers:
+    rule: LoweredRule, measured_mC: IntArray, model_mC: IntArray, rising_mK: IntArray | None = None
+) -> IntArray:
     """What a rule compares with its threshold, shape (L,): a deviation, or the temperature as it is or soon will be."""
-    value: Integers = measured_mC[rule.component]
+    value: IntArray = measured_mC[rule.component]
     if not rule.needs_model:
         if rule.looks_ahead and rising_mK is not None:
             value = value + AHEAD_TIMES * rising_mK[rule.component]
@@ -204,15 +201,15 @@ def compared(
     return -value if rule.quantity == "below" else value
 
 
-def counted(rule: LoweredRule, value: Integers, trip: Integers) -> Integers:
+def counted(rule: LoweredRule, value: IntArray, trip: IntArray) -> IntArray:
     """For how many samples of its persistence a sample counts at which a rule's condition holds, shape (L,)."""
     if not rule.looks_ahead:
         return np.ones_like(value)
-    beyond: Integers = 1 + np.maximum(value - trip, 0) // HASTE_mK
+    beyond: IntArray = 1 + np.maximum(value - trip, 0) // HASTE_mK
     return beyond
 
 
-def thresholds(rule: LoweredRule, magnitude: Integers) -> tuple[NDArray[np.bool_], Integers, Integers]:
+def thresholds(rule: LoweredRule, magnitude: IntArray) -> tuple[BoolArray, IntArray, IntArray]:
     """Whether each |PWM|, shape (L,), lies in a rule's segments, and where its condition begins and ends there, mK."""
     inside = np.zeros(len(magnitude), dtype=bool)
     trip, clear = np.zeros_like(magnitude), np.zeros_like(magnitude)

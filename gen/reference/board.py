@@ -6,59 +6,56 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray, RecordArray
 from gen.lowering.program import Program
 from gen.reference import lanes, network
 from gen.reference.model import AMBIENT_FIELD, ReferenceModel
 from gen.reference.model import record_type as components_record_type
 from gen.reference.network import ReferenceNetwork
 
-Integers = NDArray[np.int64]
-Record = NDArray[np.void]
-
 
 class Reference(Protocol):
     """What the board keeps and gives out, for L independent lanes at once."""
 
     lanes: int
-    starts_mK: dict[str, Integers]
+    starts_mK: dict[str, IntArray]
 
     @property
-    def within_ranges(self) -> NDArray[np.bool_]:
+    def within_ranges(self) -> BoolArray:
         """Lanes in which nothing was held to its range so far, shape (L,)."""
 
     @property
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """How often each lane had to limit something, as the board's 16-bit counter has it."""
 
     @property
-    def rises(self) -> NDArray[np.float64]:
+    def rises(self) -> FloatArray:
         """Rise of every component as the board gives it out, shape (components, L), in K."""
 
     @property
-    def readings(self) -> NDArray[np.float64]:
+    def readings(self) -> FloatArray:
         """Reading of every component, shape (components, L), in degC: its rise over the ambient that was told last."""
 
     @property
-    def rises_mK(self) -> Integers:
+    def rises_mK(self) -> IntArray:
         """The same in thousandths of a kelvin, to nearest, as integers."""
 
-    def set_channels(self, values: Integers) -> None:
+    def set_channels(self, values: IntArray) -> None:
         """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
 
-    def step(self, pwm: Integers) -> None:
+    def step(self, pwm: IntArray) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
 
-    def state_record(self) -> Record:
+    def state_record(self) -> RecordArray:
         """The state words alone, shape (L,); the record's other fields are 0."""
 
-    def record(self) -> Record:
+    def record(self) -> RecordArray:
         """Everything that the board keeps after a sample, shape (L,), see :func:`record_type`."""
 
 
 def reference_of(
-    program: Program, start_mK: Sequence[int] | Mapping[str, Sequence[int]], channels: Integers | None = None
+    program: Program, start_mK: Sequence[int] | Mapping[str, Sequence[int]], channels: IntArray | None = None
 ) -> Reference:
     """Start a program's reference.
 

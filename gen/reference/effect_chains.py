@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import IntArray, SingleArray
 from gen.lowering.effects.program import GUARD_BITS
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import CARRY_FACTOR, RESIDUE_BITS, WORD_BITS
@@ -14,13 +15,12 @@ from gen.lowering.float32 import LOW_BITS, FloatComponent
 from gen.reference.effect_tapes import Counter
 from gen.reference.float32 import FloatStep
 
-Integers = NDArray[np.int64]
 Words = list[NDArray[Any]]
 
 _CHAIN_BITS = WORD_BITS + GUARD_BITS
 
 
-def product(difference: Integers, rate: Integers, shift: int) -> Integers:
+def product(difference: IntArray, rate: IntArray, shift: int) -> IntArray:
     """difference rate 2^-shift, rounded down; 40 by 32 bits, in two parts that fit 64."""
     return ((difference >> 16) * rate + ((difference & 0xFFFF) * rate >> 16)) >> (shift - 16)
 
@@ -33,19 +33,19 @@ class FixedChain:
         self._counter = counter
         self.x = [np.zeros(lanes, dtype=np.int64) for _ in range(component.order)]
         self.rates = [np.zeros(lanes, dtype=np.int64) for _ in range(component.order)]
-        self.drive: Integers = np.zeros(lanes, dtype=np.int64)
+        self.drive: IntArray = np.zeros(lanes, dtype=np.int64)
 
-    def start(self, words: Integers) -> None:
+    def start(self, words: IntArray) -> None:
         """Rest at a rise in words that are read."""
         self.x = [words << RESIDUE_BITS, *(np.zeros_like(words) for _ in self.x[1:])]
         self.rates = [np.zeros_like(words) for _ in self.rates]
         self.drive = np.zeros_like(words)
 
-    def word(self, x: list[Integers] | None = None) -> Integers:
+    def word(self, x: list[IntArray] | None = None) -> IntArray:
         """What is read of the rise."""
         return (self.x if x is None else x)[0] >> RESIDUE_BITS
 
-    def tried(self, row: Integers, drive: Integers) -> list[Integers]:
+    def tried(self, row: IntArray, drive: IntArray) -> list[IntArray]:
         """The state after a sample with this drive."""
         rates = self._at(row)
         x = list(self.x)
@@ -59,7 +59,7 @@ class FixedChain:
             self._advance(x, self._increment(x, rates, drive))
         return x
 
-    def advance(self, row: Integers, drive: Integers) -> None:
+    def advance(self, row: IntArray, drive: IntArray) -> None:
         """Take that sample."""
         self.x = self.tried(row, drive)
         self.rates, self.drive = self._at(row), drive
@@ -68,10 +68,10 @@ class FixedChain:
         """In the order of the board's structure."""
         return [*self.x, *([*self.rates, self.drive] if self._component.order > 1 else [])]
 
-    def _at(self, row: Integers) -> list[Integers]:
+    def _at(self, row: IntArray) -> list[IntArray]:
         return [self._component.rates[row, i] for i in range(self._component.order)]
 
-    def _increment(self, x: list[Integers], rates: list[Integers], drive: Integers) -> Integers:
+    def _increment(self, x: list[IntArray], rates: list[IntArray], drive: IntArray) -> IntArray:
         shifts = self._layout.product_shifts
         inner = self._limited((x[0] >> RESIDUE_BITS) - drive, _CHAIN_BITS - RESIDUE_BITS)
         for i in range(self._component.order - 1):
@@ -79,10 +79,10 @@ class FixedChain:
             inner = self._limited(inner, _CHAIN_BITS - RESIDUE_BITS)
         return -product(inner, rates[-1], shifts[-1])
 
-    def _advance(self, x: list[Integers], q: Integers) -> None:
+    def _advance(self, x: list[IntArray], q: IntArray) -> None:
         shift = self._layout.chain_shifts
 
-        def add(place: int, term: Integers) -> None:
+        def add(place: int, term: IntArray) -> None:
             x[place] = self._limited(x[place] + term, _CHAIN_BITS)
 
         match self._component.order:
@@ -101,7 +101,7 @@ class FixedChain:
                 add(3, q)
                 add(2, x[3] >> shift[2])
 
-    def _limited(self, value: Integers, bits: int) -> Integers:
+    def _limited(self, value: IntArray, bits: int) -> IntArray:
         return self._counter.held(value, -(1 << (bits - 1)), (1 << (bits - 1)) - 1)
 
 
@@ -114,17 +114,17 @@ class FloatChain:
         self._rates = component.rate_words
         self.start(np.zeros(lanes, dtype=np.int64))
 
-    def start(self, words: Integers) -> None:
+    def start(self, words: IntArray) -> None:
         """See :class:`FixedChain`."""
         self.x = [words << LOW_BITS, *(np.zeros_like(words) for _ in range(1, self._component.order))]
         self.rates = [np.zeros(words.shape, dtype=np.float32) for _ in range(self._component.order)]
         self.drive = np.zeros_like(words)
 
-    def word(self, x: list[Integers] | None = None) -> Integers:
+    def word(self, x: list[IntArray] | None = None) -> IntArray:
         """See :class:`FixedChain`."""
         return (self.x if x is None else x)[0] >> LOW_BITS
 
-    def tried(self, row: Integers, drive: Integers) -> list[Integers]:
+    def tried(self, row: IntArray, drive: IntArray) -> list[IntArray]:
         """See :class:`FixedChain`."""
         rates, x, step = self._at(row), list(self.x), self._step
         substeps = self._component.substeps
@@ -137,12 +137,12 @@ class FloatChain:
             step.advance(x, step.increment(x, rates, drive))
         return x
 
-    def advance(self, row: Integers, drive: Integers) -> None:
+    def advance(self, row: IntArray, drive: IntArray) -> None:
         """See :class:`FixedChain`."""
         self.x = self.tried(row, drive)
         self.rates, self.drive = self._at(row), drive
 
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """How often the recursion itself limited a word (a component without a proof)."""
         return np.asarray(np.zeros_like(self.drive) + self._step.saturations)
 
@@ -151,5 +151,5 @@ class FloatChain:
         kept: Words = [*(rate.view(np.uint32) for rate in self.rates), self.drive]
         return [*FloatStep.words(self.x), *(kept if self._component.order > 1 else [])]
 
-    def _at(self, row: Integers) -> list[NDArray[np.float32]]:
+    def _at(self, row: IntArray) -> list[SingleArray]:
         return [np.ascontiguousarray(self._rates[row, i]) for i in range(self._component.order)]

@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import IntArray, SingleArray
 from gen.lowering.effects.graph import Operand
 from gen.lowering.effects.tape import Tape
 
-Integers = NDArray[np.int64]
-Values = Mapping[Operand, Integers]
+Values = Mapping[Operand, IntArray]
 
 
-def rounded(value: Integers, shift: int) -> Integers:
+def rounded(value: IntArray, shift: int) -> IntArray:
     """value 2^-shift, to nearest; halves upwards. A negative shift is exact."""
     if shift <= 0:
         return value << -shift
     return (value + (1 << (shift - 1))) >> shift
 
 
-def evaluate(tape: Tape, operands: Values, row: Integers) -> list[NDArray[Any]]:
+def evaluate(tape: Tape, operands: Values, row: IntArray) -> list[NDArray[Any]]:
     """Outputs of a tape: int64 with the outputs' formats, or float32.
 
     Parameters
@@ -39,8 +39,8 @@ def evaluate(tape: Tape, operands: Values, row: Integers) -> list[NDArray[Any]]:
     return [values[number] for number in tape.outputs]
 
 
-def _fixed(tape: Tape, operands: Values, row: Integers) -> list[Integers]:
-    values: list[Integers] = []
+def _fixed(tape: Tape, operands: Values, row: IntArray) -> list[IntArray]:
+    values: list[IntArray] = []
     for step in tape.steps:
         a = [values[n] for n in step.args]
         match step.op:
@@ -62,8 +62,8 @@ def _fixed(tape: Tape, operands: Values, row: Integers) -> list[Integers]:
     return values
 
 
-def _single(tape: Tape, operands: Values, row: Integers) -> list[NDArray[np.float32]]:
-    values: list[NDArray[np.float32]] = []
+def _single(tape: Tape, operands: Values, row: IntArray) -> list[SingleArray]:
+    values: list[SingleArray] = []
     for step in tape.steps:
         a = [values[n] for n in step.args]
         match step.op:
@@ -90,15 +90,15 @@ class Counter:
     """How often each lane's values were held to their limits."""
 
     def __init__(self, lanes: int) -> None:
-        self.count: Integers = np.zeros(lanes, dtype=np.int64)
+        self.count: IntArray = np.zeros(lanes, dtype=np.int64)
 
-    def held(self, value: Integers, low: int, high: int) -> Integers:
+    def held(self, value: IntArray, low: int, high: int) -> IntArray:
         """The value within its limits, both included."""
         within = np.clip(value, low, high)
         self.count = self.count + (within != value)
         return np.asarray(within)
 
-    def words(self, tape: Tape, number: int, value: NDArray[Any], bits: int, end: int) -> Integers:
+    def words(self, tape: Tape, number: int, value: NDArray[Any], bits: int, end: int) -> IntArray:
         """An output of a tape as words of 2^-bits, within +/- end."""
         if tape.arithmetic == "fixed":
             return self.held(rounded(value, tape.output_bits(number) - bits), -end, end)

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.lowering.effects.graph import Operand
 from gen.lowering.effects.program import (
     FOLLOWER_BITS,
@@ -28,7 +29,7 @@ from gen.lowering.effects.program import (
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.float32 import FloatComponent
 from gen.reference.effect_chains import FixedChain, FloatChain, Words
-from gen.reference.effect_tapes import Counter, Integers, Values, evaluate, rounded
+from gen.reference.effect_tapes import Counter, Values, evaluate, rounded
 
 Fields = list[tuple[str, str]]
 Lowered = FixedComponent | FloatComponent
@@ -48,12 +49,12 @@ class _Component:
             kind = FixedChain if isinstance(lowered, FixedComponent) else FloatChain
             self.chain = kind(lowered, counter, lanes)  # type: ignore[arg-type]
         zero = np.zeros(lanes, dtype=np.int64)
-        self.followers: list[Integers] = [zero for _ in part.followers]
-        self.inners: list[Integers] = [zero for _ in part.inners]
-        self.lags: list[Integers] = [zero for _ in part.lags]
-        self.shown: Integers = zero
+        self.followers: list[IntArray] = [zero for _ in part.followers]
+        self.inners: list[IntArray] = [zero for _ in part.inners]
+        self.lags: list[IntArray] = [zero for _ in part.lags]
+        self.shown: IntArray = zero
 
-    def start(self, operands: Values, row: Integers) -> Integers:
+    def start(self, operands: Values, row: IntArray) -> IntArray:
         """Put the states to their start; the baseline's own start in mK."""
         part, tape = self.part, self.part.start
         values = evaluate(tape, operands, row)
@@ -74,16 +75,16 @@ class _Component:
             place += 1
         return rise
 
-    def inner_operands(self, row: Integers) -> dict[Operand, Integers]:
+    def inner_operands(self, row: IntArray) -> dict[Operand, IntArray]:
         """What the inner states mean for the heat of this sample."""
-        found: dict[Operand, Integers] = {}
+        found: dict[Operand, IntArray] = {}
         for number, (inner, state) in enumerate(zip(self.part.inners, self.inners, strict=True)):
             target = np.asarray(inner.targets, dtype=np.int64)[row]
             distance = (state >> FOLLOWER_BITS) - target
             found["inner", number] = target + rounded(distance * inner.weight, WEIGHT_BITS)
         return found
 
-    def drives(self, operands: Values, row: Integers) -> list[Integers]:
+    def drives(self, operands: Values, row: IntArray) -> list[IntArray]:
         """The chain's drive and the followers' targets, as words."""
         part, tape = self.part, self.part.drives
         values = evaluate(tape, operands, row)
@@ -95,9 +96,9 @@ class _Component:
                 words.append(self._counter.words(tape, number, value, KELVIN_BITS, _KELVIN_END))
         return words
 
-    def added(self, row: Integers | None = None, drives: list[Integers] | None = None) -> Integers:
+    def added(self, row: IntArray | None = None, drives: list[IntArray] | None = None) -> IntArray:
         """What all states add to the rise, in 2^-20 K: now, or after a sample with these drives."""
-        total: Integers = np.zeros_like(self.shown)
+        total: IntArray = np.zeros_like(self.shown)
         place = 0
         if self.chain is not None and self.part.chain is not None:
             x = None if drives is None or row is None else self.chain.tried(row, drives[0])
@@ -109,7 +110,7 @@ class _Component:
             total = total + (state >> FOLLOWER_BITS)
         return total
 
-    def advance(self, row: Integers, drives: list[Integers]) -> None:
+    def advance(self, row: IntArray, drives: list[IntArray]) -> None:
         """One sample of all states that heat."""
         place = 0
         if self.chain is not None:
@@ -121,7 +122,7 @@ class _Component:
             target = np.asarray(inner.targets, dtype=np.int64)[row]
             self.inners[number] = followed(self.inners[number], target, inner.state.factor)
 
-    def read(self, old: Values, new: Values, row: Integers, *, first: bool) -> None:
+    def read(self, old: Values, new: Values, row: IntArray, *, first: bool) -> None:
         """What the sensor shows, given operands at the sample's start and end."""
         part, limit = self.part, _KELVIN_END
         for number, lag in enumerate(part.lags):
@@ -144,9 +145,9 @@ class _Component:
         return [*chain, *self.followers, *self.inners, *self.lags, self.shown]
 
 
-def followed(state: Integers, target: Integers, factor: int) -> Integers:
+def followed(state: IntArray, target: IntArray, factor: int) -> IntArray:
     """A follower's state after a sample."""
-    advanced: Integers = state + (target - (state >> FOLLOWER_BITS)) * factor
+    advanced: IntArray = state + (target - (state >> FOLLOWER_BITS)) * factor
     return advanced
 
 
@@ -166,12 +167,12 @@ class ReferenceEffects:
     """
 
     def __init__(
-        self, program: EffectsProgram, components: Sequence[Lowered], lanes: int, channels: Integers | None = None
+        self, program: EffectsProgram, components: Sequence[Lowered], lanes: int, channels: IntArray | None = None
     ) -> None:
         self._program = program
         self._counter = Counter(lanes)
         self._channels = np.array([np.full(lanes, c.neutral) for c in program.channels], dtype=np.int64)
-        self._elapsed: Integers = np.zeros(lanes, dtype=np.int64)
+        self._elapsed: IntArray = np.zeros(lanes, dtype=np.int64)
         self._components = {
             part.index: _Component(part, components[part.index], self._counter, lanes) for part in program.components
         }
@@ -181,7 +182,7 @@ class ReferenceEffects:
         if channels is not None:
             self.set_channels(channels)
 
-    def set_channels(self, values: Integers) -> None:
+    def set_channels(self, values: IntArray) -> None:
         """Values of all channels in thousandths, shape (channels, L)."""
         for number, channel in enumerate(self._program.channels):
             self._channels[number] = self._counter.held(values[number], channel.low, channel.high)
@@ -190,7 +191,7 @@ class ReferenceEffects:
         """Whether effects decide where a component's baseline starts."""
         return index in self._components
 
-    def start(self, index: int, rise_mK: Integers) -> Integers:
+    def start(self, index: int, rise_mK: IntArray) -> IntArray:
         """Put a component's states to their start; the rise in mK from which its baseline starts."""
         part = self._components.get(index)
         if part is None:
@@ -199,7 +200,7 @@ class ReferenceEffects:
         shown = self._counter.held(rise_mK, -end, end)
         return part.start({**self._common(), ("shown", 0): shown}, self._row)
 
-    def started(self, index: int, word: Integers, bits: int) -> None:
+    def started(self, index: int, word: IntArray, bits: int) -> None:
         """The component's baseline has started; `word` is its rise in 2^-bits K."""
         if index not in self._rise:
             return
@@ -209,7 +210,7 @@ class ReferenceEffects:
             operands = {**self._common(), ("rise", index): self._rise[index]}
             part.read(operands, operands, self._row, first=True)
 
-    def step(self, pwm: Integers, row: Integers, words: Mapping[int, tuple[Integers, int]]) -> None:
+    def step(self, pwm: IntArray, row: IntArray, words: Mapping[int, tuple[IntArray, int]]) -> None:
         """One sample, after the baseline's.
 
         Parameters
@@ -223,9 +224,9 @@ class ReferenceEffects:
         before = dict(self._rise)
         common = self._common() | {("reverse", 0): (pwm < 0).astype(np.int64)}
         inner = {index: part.inner_operands(row) for index, part in self._components.items()}
-        rises: dict[Operand, Integers] = {("rise", index): self._rise[index] for index in self._program.felt}
-        middle: dict[Operand, Integers] = {}
-        first: dict[int, Integers] = {}
+        rises: dict[Operand, IntArray] = {("rise", index): self._rise[index] for index in self._program.felt}
+        middle: dict[Operand, IntArray] = {}
+        first: dict[int, IntArray] = {}
         for index in self._program.felt:
             part = self._components.get(index)
             added = self._added(index)
@@ -233,7 +234,7 @@ class ReferenceEffects:
                 drives = part.drives(common | rises | inner[index], row)
                 added, first[index] = part.added(row, drives), drives[0]
             middle["rise", index] = (before[index] + self._total(index, base[index], added)) >> 1
-        finer: dict[Operand, Integers] = {}
+        finer: dict[Operand, IntArray] = {}
         for index in self._program.felt:
             part = self._components.get(index)
             if part is None or not part.part.sixth or part.part.chain is None:
@@ -258,13 +259,13 @@ class ReferenceEffects:
                 self._components[index].read(old, new, row, first=False)
 
     @property
-    def limited(self) -> Integers:
+    def limited(self) -> IntArray:
         """How often a value was held to its limits, as the board counts."""
         chains = (part.chain for part in self._components.values())
         own = sum((c.saturations() for c in chains if isinstance(c, FloatChain)), np.zeros_like(self._row))
         return np.asarray(np.minimum(self._counter.count + own, _COUNT_LIMIT))
 
-    def shown(self, index: int) -> Integers | None:
+    def shown(self, index: int) -> IntArray | None:
         """What the sensor shows over the ambient, in 2^-20 K; None for a component without effects."""
         part = self._components.get(index)
         return None if part is None else part.shown
@@ -281,19 +282,19 @@ class ReferenceEffects:
             found.append(self._elapsed)
         return [*found, self.limited]
 
-    def _common(self) -> dict[Operand, Integers]:
-        common: dict[Operand, Integers] = {("channel", i): values for i, values in enumerate(self._channels)}
+    def _common(self) -> dict[Operand, IntArray]:
+        common: dict[Operand, IntArray] = {("channel", i): values for i, values in enumerate(self._channels)}
         return common | {("elapsed", 0): self._elapsed}
 
-    def _added(self, index: int) -> Integers:
+    def _added(self, index: int) -> IntArray:
         part = self._components.get(index)
-        nothing: Integers = np.zeros_like(self._row)
+        nothing: IntArray = np.zeros_like(self._row)
         return nothing if part is None else part.added()
 
-    def _total(self, index: int, base: Integers, added: Integers) -> Integers:
+    def _total(self, index: int, base: IntArray, added: IntArray) -> IntArray:
         return self._held(index, base + added)
 
-    def _held(self, index: int, rise: Integers) -> Integers:
+    def _held(self, index: int, rise: IntArray) -> IntArray:
         low, high = self._program.rise_limits[self._program.tracked.index(index)]
         return self._counter.held(rise, low, high)
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray
 from gen.lowering.alarms import LoweredRule
 from gen.lowering.heat import MOST_UNSETTLED, LoweredHeat
 from gen.model.dynamics import MAX_PWM
@@ -18,16 +18,13 @@ from gen.reference.alarms import compared, counted, thresholds
 from gen.reference.heat import is_settled, watched
 from gen.reference.heat_blocks import Course, blocks_of, course_of
 
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-
 
 def first_raised(
     rules: Sequence[LoweredRule],
-    pwm: Integers,
-    measured_mC: Integers,
-    model_mC: Integers,
-    valid: Integers,
+    pwm: IntArray,
+    measured_mC: IntArray,
+    model_mC: IntArray,
+    valid: IntArray,
     *,
     trusted: bool,
 ) -> list[int | None]:
@@ -80,8 +77,8 @@ def first_raised(
 
 
 def _heat(
-    rules: Sequence[LoweredRule], pwm: Integers, deviation_mK: Integers, valid: Integers, *, trusted: bool
-) -> tuple[Flags, Flags]:
+    rules: Sequence[LoweredRule], pwm: IntArray, deviation_mK: IntArray, valid: IntArray, *, trusted: bool
+) -> tuple[BoolArray, BoolArray]:
     """Where the sum of a rule on missing heat has reached its limit, and where such a rule is settled.
 
     Shape (rules, K) each; False and True for other rules.
@@ -102,7 +99,7 @@ def _heat(
     return reached, settled
 
 
-def _settled(rule: LoweredHeat, course: Course, number: int, pwm: Integers, after: Integers) -> Flags:
+def _settled(rule: LoweredHeat, course: Course, number: int, pwm: IntArray, after: IntArray) -> BoolArray:
     """Where a rule is settled: PWM may change within a block, and unsettles it at once."""
     changed = np.cumsum(np.abs(np.diff(np.clip(pwm, -MAX_PWM, MAX_PWM), prepend=0)))
     ends = np.arange(1, after[-1] + 1) * rule.block - 1
@@ -111,10 +108,10 @@ def _settled(rule: LoweredHeat, course: Course, number: int, pwm: Integers, afte
     return is_settled(np.minimum(MOST_UNSETTLED, unsettled), course.slack[number, 0][after])
 
 
-def _awake(rule: LoweredRule, inside: Flags, wait: int, first: Sequence[int | None]) -> Flags:
+def _awake(rule: LoweredRule, inside: BoolArray, wait: int, first: Sequence[int | None]) -> BoolArray:
     """Where a rule does not wait, neither after the start, nor for its speed to settle, nor for another rule."""
     sample = np.arange(inside.size)
-    awake: Flags = (np.cumsum(inside) > wait) & (sample - _latest(~inside) > rule.settle)
+    awake: BoolArray = (np.cumsum(inside) > wait) & (sample - _latest(~inside) > rule.settle)
     if rule.requires is not None:
         since = first[rule.requires]
         awake &= sample >= (inside.size if since is None else since)
@@ -124,7 +121,7 @@ def _awake(rule: LoweredRule, inside: Flags, wait: int, first: Sequence[int | No
     return awake
 
 
-def _denied(rule: LoweredRule, inside: Flags, settled: Flags, first: Sequence[int | None]) -> Flags:
+def _denied(rule: LoweredRule, inside: BoolArray, settled: BoolArray, first: Sequence[int | None]) -> BoolArray:
     """Where the silence of a rule on missing heat says no: it is settled, and was when the required alarm came."""
     if rule.requires is None:
         return settled
@@ -133,7 +130,7 @@ def _denied(rule: LoweredRule, inside: Flags, settled: Flags, first: Sequence[in
     return settled & bool(before.size and settled[before[-1]])
 
 
-def _sum_is_full(rule: LoweredRule, seen: Flags, beyond: Integers) -> Flags:
+def _sum_is_full(rule: LoweredRule, seen: BoolArray, beyond: IntArray) -> BoolArray:
     limit = rule.sum_limit
     assert limit is not None
     total, full = 0, np.zeros(seen.size, dtype=np.bool_)
@@ -143,7 +140,7 @@ def _sum_is_full(rule: LoweredRule, seen: Flags, beyond: Integers) -> Flags:
     return full
 
 
-def _latest(present: Flags) -> NDArray[np.int64]:
+def _latest(present: BoolArray) -> IntArray:
     """Of each sample the latest one up to it that is marked, -1 without any."""
-    latest: NDArray[np.int64] = np.maximum.accumulate(np.where(present, np.arange(present.size), -1))
+    latest: IntArray = np.maximum.accumulate(np.where(present, np.arange(present.size), -1))
     return latest

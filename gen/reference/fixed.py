@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.corrected_format import FIRST_DROPPED
 from gen.lowering.fixed.formats import CARRY_FACTOR, GAIN_FACTOR, RESIDUE_BITS, WORD_BITS, dropped_bytes
 from gen.lowering.fixed.start import start_scale
 
-Word = TypeVar("Word", int, NDArray[np.int64])
+Word = TypeVar("Word", int, IntArray)
 
 
 def product(difference: Word, rate: Word, shift: int, *, wide: bool, dropped: int | None = None) -> Word:
@@ -61,7 +61,7 @@ class FixedStep:
         self._component = component
         self._limit_high = 1 << 31
         self._limit_word = 1 << (WORD_BITS - 1)
-        self.saturations: int | NDArray[np.int64] = 0
+        self.saturations: int | IntArray = 0
 
     def start(self, rise_mK: int) -> list[int]:
         """State at rest at a rise in thousandths of a kelvin, limited to the declared range."""

@@ -7,26 +7,23 @@ range on the board.  Arrays have one entry per lane.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from gen.lowering.float32 import LIMIT_BITS, LOW_BITS, FloatComponent
 from gen.lowering.float32.start import start_accumulator
 
-Singles = NDArray[np.float32]
-Integers = NDArray[np.int64]
-Lanes = NDArray[np.bool_]
 #: x1 .. xn as accumulators.
-State = list[Integers]
+State = list[IntArray]
 
 
-def accumulated(accumulator: Integers, value: Singles, shift: int) -> Integers:
+def accumulated(accumulator: IntArray, value: SingleArray, shift: int) -> IntArray:
     """``accumulator`` plus ``value`` (a number of 2^-shift of its word's units), rounded towards zero."""
     scaled = value.astype(np.float64) * 2.0 ** (LOW_BITS - shift)  # exact
-    result: Integers = accumulator + np.trunc(scaled).astype(np.int64)
+    result: IntArray = accumulator + np.trunc(scaled).astype(np.int64)
     return result
 
 
-def word(accumulator: Integers) -> Singles:
+def word(accumulator: IntArray) -> SingleArray:
     """An accumulator's 32-bit word as float32."""
     return (accumulator >> LOW_BITS).astype(np.float32)
 
@@ -49,23 +46,25 @@ class FloatStep:
         self._component = component
         self._order = component.order
         self._shifts = component.chain_shifts
-        self.saturations: Integers = np.zeros((), dtype=np.int64)
+        self.saturations: IntArray = np.zeros((), dtype=np.int64)
 
-    def start(self, rise_mK: Integers) -> State:
+    def start(self, rise_mK: IntArray) -> State:
         """The state at rest at a rise in thousandths of a kelvin, limited to the start range."""
         low, high = self._component.start_range_mK
         first = start_accumulator(self._component.fraction_bits[0], np.clip(rise_mK, low, high))
         zero = np.zeros(len(rise_mK), dtype=np.int64)
         return [first, *(zero for _ in range(1, self._order))]
 
-    def increment(self, state: State, rates: list[Singles], steady: Integers) -> Singles:
+    def increment(self, state: State, rates: list[SingleArray], steady: IntArray) -> SingleArray:
         """q in the unit of xn's word, for rate words and S as they are in the board's memory."""
         q = rates[0] * (steady - (state[0] >> LOW_BITS)).astype(np.float32)
         for rate, accumulator in zip(rates[1:], state[1:], strict=True):
             q = rate * (q - word(accumulator))
         return q
 
-    def carry(self, state: State, rates: list[Singles], old: Singles, new: Singles, where: Lanes) -> Singles:
+    def carry(
+        self, state: State, rates: list[SingleArray], old: SingleArray, new: SingleArray, where: BoolArray
+    ) -> SingleArray:
         """Carry q/12 of x[n-1] over a change of PWM (orders 2 to 4).
 
         Parameters
@@ -81,7 +80,7 @@ class FloatStep:
 
         Returns
         -------
-        Singles
+        SingleArray
             q after the carry; ``new`` in the other lanes.
         """
         place = self._order - 2
@@ -89,7 +88,7 @@ class FloatStep:
         self._add(state, place, carried, 0, where)
         return np.where(where, new - rates[place + 1] * (rates[place] * carried), new)
 
-    def advance(self, state: State, q: Singles) -> None:
+    def advance(self, state: State, q: SingleArray) -> None:
         """The chain of additions, see :mod:`gen.lowering.recursion.increments`."""
         n, shifts, every = self._order, self._shifts, np.ones(len(q), dtype=bool)
         if n == 2:
@@ -106,16 +105,16 @@ class FloatStep:
         if n > 2:
             self._add(state, n - 2, word(state[n - 1]), shifts[n - 2], every)
 
-    def rise(self, state: State) -> NDArray[np.float64]:
+    def rise(self, state: State) -> FloatArray:
         """The temperature rise in K: x1 without its low bits."""
         return np.asarray((state[0] >> LOW_BITS) * 2.0 ** -self._component.fraction_bits[0], dtype=np.float64)
 
     @staticmethod
-    def words(state: State) -> list[Integers]:
+    def words(state: State) -> list[IntArray]:
         """Low bits and word of each accumulator, in the order of the board's structure."""
         return [part for value in state for part in (value & ((1 << LOW_BITS) - 1), value >> LOW_BITS)]
 
-    def _add(self, state: State, i: int, value: Singles, shift: int, where: Lanes) -> None:
+    def _add(self, state: State, i: int, value: SingleArray, shift: int, where: BoolArray) -> None:
         if self._component.saturates:
             end = np.float32(2.0 ** (LIMIT_BITS + shift))
             beyond = where & (np.abs(value) >= end)

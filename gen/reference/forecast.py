@@ -5,14 +5,11 @@ from __future__ import annotations
 from copy import deepcopy
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.lowering.forecast import NOISE_MK, SMOOTHED, LoweredForecast
 from gen.reference.board import Reference
 from gen.reference.network import ReferenceNetwork
-
-Integers = NDArray[np.int64]
-Record = NDArray[np.void]
 
 RUNNING, SEARCHING, KNOWN, HOLDABLE, NEAR = 1, 2, 4, 8, 16
 """Bits of the state: a run is under way; it tries a PWM; the time is known; so is the PWM to hold; a limit is near."""
@@ -78,7 +75,7 @@ class ReferenceForecast:
         self.first = len(forecast.limits)
         self._begin_search()
 
-    def sample(self, pwm: int, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+    def sample(self, pwm: int, board: Reference, measured_mC: IntArray, ambient_mC: int, valid: int) -> None:
         """Take a sample.
 
         Parameters
@@ -140,7 +137,7 @@ class ReferenceForecast:
             return 0
         return min(max(self.holdable, self.low), self.high - 1)
 
-    def keep(self, record: Record) -> None:
+    def keep(self, record: RecordArray) -> None:
         """Write what the board keeps into a record, see :func:`forecast_fields`."""
         for name, _ in forecast_fields(self._forecast):
             record[name] = getattr(self, name)
@@ -179,7 +176,7 @@ class ReferenceForecast:
         elif self.samples <= near:
             self.state |= NEAR
 
-    def _compare(self, board: Reference, measured_mC: Integers, ambient_mC: int, valid: int) -> None:
+    def _compare(self, board: Reference, measured_mC: IntArray, ambient_mC: int, valid: int) -> None:
         """Not every sample has a reading of every part: what was seen last holds."""
         modelled = board.rises_mK[:, 0] + ambient_mC
         for number, limit in enumerate(self._forecast.limits):

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray, RecordArray
 from gen.lowering import heat
 from gen.lowering.heat import LoweredHeat
 from gen.model.dynamics import MAX_PWM
-
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-Record = NDArray[np.void]
 
 _PART = (("sum", "<i4"), ("count", "<u2"), ("mean", "<i4"), ("known", "u1"))
 _RULE = (
@@ -44,7 +40,7 @@ class ReferenceHeat:
         (rules, L) each, zero for rules of another kind.
     """
 
-    def __init__(self, rules: Sequence[LoweredHeat | None], trusted: Flags) -> None:
+    def __init__(self, rules: Sequence[LoweredHeat | None], trusted: BoolArray) -> None:
         self._rules = [(number, rule) for number, rule in enumerate(rules) if rule is not None]
         self._by_number = dict(self._rules)
         self._watched = watched(rules)
@@ -63,11 +59,11 @@ class ReferenceHeat:
         self._samples = np.zeros(lanes, dtype=np.int64)
         self._pwm = np.zeros(lanes, dtype=np.int64)
 
-    def reset(self, lanes: Flags) -> None:
+    def reset(self, lanes: BoolArray) -> None:
         """Begin the sums anew in the lanes that are marked, shape (L,); what is usual stays."""
         self.sums[:, lanes] = 0
 
-    def step(self, pwm: Integers, deviation_mK: Integers, valid: Integers) -> None:
+    def step(self, pwm: IntArray, deviation_mK: IntArray, valid: IntArray) -> None:
         """Take a sample.
 
         Parameters
@@ -97,21 +93,21 @@ class ReferenceHeat:
             for values in (self._samples, *self._sum, *self._count):
                 values[ended] = 0
 
-    def settled(self, number: int) -> Flags:
+    def settled(self, number: int) -> BoolArray:
         """Where what a change of PWM or a start has left is too little to hide what a rule would hear, shape (L,)."""
         return is_settled(self.unsettled[number], self.slack(number))
 
-    def slack(self, number: int) -> Integers:
+    def slack(self, number: int) -> IntArray:
         """A rule's slack for a settled motor, shape (L,)."""
         rule = self._by_number[number]
         return np.asarray(rule.slack + rule.unknown * heat.PRIOR_BLOCKS // self._learnt[number])
 
-    def change(self, counts: Integers) -> None:
+    def change(self, counts: IntArray) -> None:
         """Take changes of PWM, shape (L,)."""
         for number, rule in self._rules:
             self.unsettled[number] = np.minimum(heat.MOST_UNSETTLED, self.unsettled[number] + rule.change * counts)
 
-    def end_block(self, magnitude: Integers, means: Integers, present: Flags, ended: Flags) -> None:
+    def end_block(self, magnitude: IntArray, means: IntArray, present: BoolArray, ended: BoolArray) -> None:
         """End a block.
 
         Parameters
@@ -134,8 +130,8 @@ class ReferenceHeat:
             self._end_rule(number, rule, bins, magnitude, moved, present, ended)
 
     def _end_rule(
-        self, number: int, rule: LoweredHeat, bins: Integers, magnitude: Integers, moved: Integers, present: Flags,
-        ended: Flags,
+        self, number: int, rule: LoweredHeat, bins: IntArray, magnitude: IntArray, moved: IntArray, present: BoolArray,
+        ended: BoolArray,
     ) -> None:  # fmt: skip
         fading = np.array(rule.fading)[bins]
         unsettled = self.unsettled[number]
@@ -168,14 +164,14 @@ class ReferenceHeat:
         self._pending[number] = np.where(waiting, pending, np.where(ended, 0, self._pending[number]))
         self._waited[number] = np.where(waiting, np.minimum(blocks, heat.MOST_WAITED), np.where(ended, 0, waited))
 
-    def _remember(self, number: int, rule: LoweredHeat, ended: Flags) -> None:
+    def _remember(self, number: int, rule: LoweredHeat, ended: BoolArray) -> None:
         """What was usual before fades towards what is, and never lies below it."""
         usual, before = self._usual[number], self._before[number]
         faded = np.maximum(usual, before - ((before - usual) * rule.forgetting >> heat.RATE_BITS))
         faded = np.where(self._learnt[number] < rule.told, usual, faded)
         self._before[number] = np.where(ended, faded, before)
 
-    def advance(self, record: Record) -> None:
+    def advance(self, record: RecordArray) -> None:
         """Go on from what a board keeps, shape (L,), see :func:`fields`."""
         for row in range(len(self._watched)):
             for values, (field, _) in zip(self._part_words(), _PART, strict=True):
@@ -186,7 +182,7 @@ class ReferenceHeat:
         if self._rules:
             self._samples, self._pwm = record["heat.samples"].astype(np.int64), record["heat.pwm"].astype(np.int64)
 
-    def keep(self, record: Record) -> None:
+    def keep(self, record: RecordArray) -> None:
         """Write what the board keeps into a record, shape (L,)."""
         for row in range(len(self._watched)):
             for values, (field, _) in zip(self._part_words(), _PART, strict=True):
@@ -197,10 +193,10 @@ class ReferenceHeat:
         if self._rules:
             record["heat.samples"], record["heat.pwm"] = self._samples, self._pwm
 
-    def _part_words(self) -> tuple[Integers, ...]:
+    def _part_words(self) -> tuple[IntArray, ...]:
         return self._sum, self._count, self._mean, self._known
 
-    def _rule_words(self) -> tuple[Integers, ...]:
+    def _rule_words(self) -> tuple[IntArray, ...]:
         return self.sums, self._usual, self._before, self.unsettled, self._pending, self._learnt, self._waited
 
 
@@ -223,13 +219,13 @@ def fields(rules: Sequence[LoweredHeat | None]) -> list[tuple[str, str]]:
     return [*parts, *sums, ("heat.samples", "<u2"), ("heat.pwm", "<i2")]
 
 
-def is_settled(unsettled: Integers, slack: Integers) -> Flags:
+def is_settled(unsettled: IntArray, slack: IntArray) -> BoolArray:
     """Whether an unsettled slack, in 2^-FINE_BITS of a heat, is small beside a settled one, in heats."""
-    small: Flags = 2 * (unsettled >> heat.FINE_BITS) < slack
+    small: BoolArray = 2 * (unsettled >> heat.FINE_BITS) < slack
     return small
 
 
-def truncated(values: Integers, by: Integers) -> Integers:
+def truncated(values: IntArray, by: IntArray) -> IntArray:
     """Divide as C++ does, towards zero; `by` is positive."""
-    quotient: Integers = np.sign(values) * (np.abs(values) // by)
+    quotient: IntArray = np.sign(values) * (np.abs(values) // by)
     return quotient

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray
 from gen.lowering import heat
 from gen.lowering.heat import LoweredHeat
 from gen.model.dynamics import MAX_PWM
 from gen.reference.heat import ReferenceHeat, truncated
-
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +35,10 @@ class Blocks:
         Where a component was measured, shape (watched, B).
     """
 
-    magnitude: Integers
-    changes: Integers
-    means: Integers
-    present: Flags
+    magnitude: IntArray
+    changes: IntArray
+    means: IntArray
+    present: BoolArray
 
     def of(self, components: Sequence[int]) -> Blocks:
         """Some of the components only."""
@@ -48,7 +46,7 @@ class Blocks:
         return Blocks(self.magnitude, self.changes, self.means[rows], self.present[rows])
 
 
-def blocks_of(block: int, components: Sequence[int], pwm: Integers, deviation_mK: Integers, valid: Integers) -> Blocks:
+def blocks_of(block: int, components: Sequence[int], pwm: IntArray, deviation_mK: IntArray, valid: IntArray) -> Blocks:
     """Take a record's samples together.
 
     Parameters
@@ -91,17 +89,17 @@ class Course:
         A settled motor's.
     """
 
-    sums: Integers
-    unsettled: Integers
-    slack: Integers
+    sums: IntArray
+    unsettled: IntArray
+    slack: IntArray
 
 
-def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: Flags) -> Integers:
+def sums_after(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: BoolArray) -> IntArray:
     """Sums of every rule after each block, shape (rules, L, B), see :func:`course_of`."""
     return course_of(rules, records, trusted).sums[:, :, 1:]
 
 
-def course_of(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: Flags) -> Course:
+def course_of(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], trusted: BoolArray) -> Course:
     """Follow every rule over all blocks, if nobody resets them.
 
     Parameters
@@ -142,7 +140,7 @@ def course_of(rules: Sequence[LoweredHeat | None], records: Sequence[Blocks], tr
     return Course(sums, unsettled, slack)
 
 
-def _padded(rows: Sequence[NDArray[np.generic]], length: int) -> Integers:
+def _padded(rows: Sequence[NDArray[np.generic]], length: int) -> IntArray:
     padded = np.zeros((len(rows), length), dtype=np.int64)
     for row, values in zip(padded, rows, strict=True):
         row[: len(values)] = values

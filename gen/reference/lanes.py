@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray, SingleArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
 from gen.lowering.fixed.start import start_scale
@@ -18,38 +19,37 @@ from gen.reference.fixed import FixedStep
 from gen.reference.float32 import FloatStep
 from gen.reference.thousandths import thousandths
 
-Integers = NDArray[np.int64]
 Fields = list[tuple[str, str]]
 
 
 class ComponentLanes(Protocol):
     """What :class:`gen.reference.model.ReferenceModel` needs of a component."""
 
-    limited: NDArray[np.bool_]
+    limited: BoolArray
 
-    def set_ambient(self, over_mK: Integers) -> None:
+    def set_ambient(self, over_mK: IntArray) -> None:
         """The ambient over the reference from the next sample on, in thousandths of a kelvin, shape (L,)."""
 
     @property
-    def ambient(self) -> Integers:
+    def ambient(self) -> IntArray:
         """That ambient as words of the rise, shape (L,)."""
 
-    def sample(self, row: Integers, before: Integers | None) -> None:
+    def sample(self, row: IntArray, before: IntArray | None) -> None:
         """Advance by one sample at the tables' rows ``row``; ``before`` is the last sample's, None at the start."""
 
-    def rise(self) -> NDArray[np.float64]:
+    def rise(self) -> FloatArray:
         """Temperature rise of every lane, in K."""
 
-    def rise_mK(self) -> Integers:
+    def rise_mK(self) -> IntArray:
         """The same in thousandths of a kelvin, to nearest, as the board gives it out."""
 
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """How often each lane's words were limited."""
 
     def state_words(self) -> list[NDArray[Any]]:
         """The state's words in the order of the board's structure."""
 
-    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+    def coefficient_words(self, row: IntArray) -> list[NDArray[Any]]:
         """Rates and steady rise in the order of the board's structure."""
 
 
@@ -66,15 +66,15 @@ class FixedLanes:
         self._ambient = self._acted = np.zeros(len(start_mK), dtype=np.int64)
 
     @property
-    def ambient(self) -> Integers:
+    def ambient(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return self._ambient
 
-    def set_ambient(self, over_mK: Integers) -> None:
+    def set_ambient(self, over_mK: IntArray) -> None:
         """See :class:`ComponentLanes`."""
         self._ambient = start_scale(self._component.layout.output_bits).word(over_mK)
 
-    def sample(self, row: Integers, before: Integers | None) -> None:
+    def sample(self, row: IntArray, before: IntArray | None) -> None:
         """See :class:`ComponentLanes`."""
         acted, self._acted = self._acted, self._ambient
         rates, steady = self._coefficients(row, self._ambient)
@@ -87,16 +87,16 @@ class FixedLanes:
         for _ in range(self._component.substeps):
             self._step.advance(self._state, rates, self._step.increment(self._state, rates, steady))
 
-    def rise(self) -> NDArray[np.float64]:
+    def rise(self) -> FloatArray:
         """See :class:`ComponentLanes`."""
         scale = 2.0 ** (RESIDUE_BITS - self._component.layout.fraction_bits[0])
         return np.asarray((self._state[0] >> RESIDUE_BITS) * scale, dtype=np.float64)
 
-    def rise_mK(self) -> Integers:
+    def rise_mK(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return thousandths(self._state[0] >> RESIDUE_BITS, self._component.layout.output_bits)
 
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return np.zeros(len(self.limited), dtype=np.int64) + self._step.saturations
 
@@ -104,12 +104,12 @@ class FixedLanes:
         """See :class:`ComponentLanes`."""
         return [half for word in self._state for half in (word & 0xFFFF, word >> RESIDUE_BITS)]
 
-    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+    def coefficient_words(self, row: IntArray) -> list[NDArray[Any]]:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row, self._acted)
         return [*rates, steady]
 
-    def _coefficients(self, row: Integers, ambient: Integers) -> tuple[list[Integers], Integers]:
+    def _coefficients(self, row: IntArray, ambient: IntArray) -> tuple[list[IntArray], IntArray]:
         component = self._component
         return [component.rates[row, i] for i in range(component.order)], component.steady[row] + ambient
 
@@ -128,15 +128,15 @@ class FloatLanes:
         self._ambient = self._acted = np.zeros(len(rise), dtype=np.int64)
 
     @property
-    def ambient(self) -> Integers:
+    def ambient(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return self._ambient
 
-    def set_ambient(self, over_mK: Integers) -> None:
+    def set_ambient(self, over_mK: IntArray) -> None:
         """See :class:`ComponentLanes`."""
         self._ambient = ambient_word(self._component.fraction_bits[0], over_mK)
 
-    def sample(self, row: Integers, before: Integers | None) -> None:
+    def sample(self, row: IntArray, before: IntArray | None) -> None:
         """See :class:`ComponentLanes`."""
         acted, self._acted = self._acted, self._ambient
         rates, steady = self._coefficients(row, self._ambient)
@@ -153,15 +153,15 @@ class FloatLanes:
         for _ in range(substeps):
             self._step.advance(self._state, self._step.increment(self._state, rates, steady))
 
-    def rise(self) -> NDArray[np.float64]:
+    def rise(self) -> FloatArray:
         """See :class:`ComponentLanes`."""
         return self._step.rise(self._state)
 
-    def rise_mK(self) -> Integers:
+    def rise_mK(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return thousandths(self._state[0] >> LOW_BITS, self._component.fraction_bits[0])
 
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """See :class:`ComponentLanes`."""
         return np.zeros(len(self.limited), dtype=np.int64) + self._step.saturations
 
@@ -169,12 +169,12 @@ class FloatLanes:
         """See :class:`ComponentLanes`."""
         return list(self._step.words(self._state))
 
-    def coefficient_words(self, row: Integers) -> list[NDArray[Any]]:
+    def coefficient_words(self, row: IntArray) -> list[NDArray[Any]]:
         """See :class:`ComponentLanes`."""
         rates, steady = self._coefficients(row, self._acted)
         return [*(np.ascontiguousarray(rate).view(np.uint32) for rate in rates), steady]
 
-    def _coefficients(self, row: Integers, ambient: Integers) -> tuple[list[NDArray[np.float32]], Integers]:
+    def _coefficients(self, row: IntArray, ambient: IntArray) -> tuple[list[SingleArray], IntArray]:
         return [self._rates[row, i] for i in range(self._component.order)], self._component.steady[row] + ambient
 
 

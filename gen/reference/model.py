@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray, RecordArray
 from gen.lowering.effects.program import KELVIN_BITS
 from gen.lowering.program import Program
 from gen.lowering.recursion.dynamics import domain_rows
@@ -15,9 +15,6 @@ from gen.reference.effects import ReferenceEffects, effect_fields
 from gen.reference.flags import GAIN_ZEROED, OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_CLAMPED, STARTED
 from gen.reference.lanes import coefficient_fields, lanes_of, state_fields, word_bits
 from gen.reference.thousandths import thousandths
-
-Integers = NDArray[np.int64]
-Record = NDArray[np.void]
 
 _SATURATION_LIMIT = 0xFFFF
 #: The ambient over the reference, in thousandths of a kelvin, at the end of the board's state.
@@ -41,7 +38,7 @@ class ReferenceModel:
         self,
         program: Program,
         start_mK: Sequence[int] | Mapping[str, Sequence[int]],
-        channels: Integers | None = None,
+        channels: IntArray | None = None,
     ) -> None:
         self._program = program
         starts = dict(start_mK) if isinstance(start_mK, Mapping) else {c.name: start_mK for c in program.components}
@@ -53,7 +50,7 @@ class ReferenceModel:
                 shown = np.asarray(starts[name], dtype=np.int64)
                 starts[name] = self._effects.start(index, shown).tolist()
         self._ambient = program.ambient
-        self._over: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._over: IntArray = np.zeros(self.lanes, dtype=np.int64)
         if self._ambient is not None:
             self._over = self._over_of(channels)
             for index, name in enumerate(program.model.component_names):
@@ -71,24 +68,24 @@ class ReferenceModel:
         self._flags = np.zeros(self.lanes, dtype=np.int64)
         for component in self._components:
             self._flags |= np.where(component.limited, START_CLAMPED, 0)
-        self._row: Integers | None = None
-        self._command: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._row: IntArray | None = None
+        self._command: IntArray = np.zeros(self.lanes, dtype=np.int64)
         rows = domain_rows(program.model)
         self._row_flags = pwm_flags(program)
         self._first, self._last = int(rows[0]), int(rows[-1])
 
     @property
-    def within_ranges(self) -> NDArray[np.bool_]:
+    def within_ranges(self) -> BoolArray:
         """Lanes in which no effect's value was held to its range so far, shape (L,)."""
         limited = self._effects.limited if self._effects is not None else np.zeros(self.lanes)
         return np.asarray(limited == 0)
 
-    def _words(self) -> dict[int, tuple[Integers, int]]:
+    def _words(self) -> dict[int, tuple[IntArray, int]]:
         """Rises of the components that the effects watch, as words with their fraction bits."""
         tracked = self._program.effects.tracked if self._program.effects is not None else ()
         return {i: (self._components[i].state_words()[1], word_bits(self._program.components[i])) for i in tracked}
 
-    def set_channels(self, values: Integers) -> None:
+    def set_channels(self, values: IntArray) -> None:
         """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
         if self._effects is not None:
             self._effects.set_channels(values)
@@ -97,7 +94,7 @@ class ReferenceModel:
             for component in self._components:
                 component.set_ambient(self._over)
 
-    def _over_of(self, channels: Integers | None) -> Integers:
+    def _over_of(self, channels: IntArray | None) -> IntArray:
         """The ambient over the reference, in thousandths of a kelvin, held to its range."""
         assert self._ambient is not None
         if channels is None:
@@ -105,7 +102,7 @@ class ReferenceModel:
         told = np.clip(np.asarray(channels[0], dtype=np.int64), self._ambient.low, self._ambient.high)
         return np.asarray(told - self._ambient.neutral)
 
-    def step(self, pwm: Integers) -> None:
+    def step(self, pwm: IntArray) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
         self._command = pwm
         magnitude = np.abs(pwm)
@@ -122,37 +119,37 @@ class ReferenceModel:
             self._flags = self._flags | np.where(self._effects.limited > 0, SATURATED, 0)
 
     @property
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """How often each lane had to limit a result, as the board's 16-bit counter has it."""
         total = sum((component.saturations() for component in self._components), np.zeros(self.lanes, dtype=np.int64))
         return np.minimum(total, _SATURATION_LIMIT)
 
     @property
-    def rises(self) -> NDArray[np.float64]:
+    def rises(self) -> FloatArray:
         """Rise of every component over the ambient as the board gives it out, shape (components, L), in K."""
         rises = [component.rise() - self._over / 1000.0 for component in self._components]
         return np.array([value if own is None else own * 2.0**-KELVIN_BITS for value, own in self._with_shown(rises)])
 
     @property
-    def readings(self) -> NDArray[np.float64]:
+    def readings(self) -> FloatArray:
         """Reading of every component as the board has it, shape (components, L), in degC, where its ambient moves."""
         assert self._ambient is not None, "the board counts from what it is not told"
         return np.asarray(self.rises + (self._over + self._ambient.neutral) / 1000.0)
 
     @property
-    def rises_mK(self) -> Integers:
+    def rises_mK(self) -> IntArray:
         """The same in thousandths of a kelvin, to nearest, as integers."""
         rises = [component.rise_mK() - self._over for component in self._components]
         return np.array(
             [value if own is None else thousandths(own, KELVIN_BITS) for value, own in self._with_shown(rises)]
         )
 
-    def _with_shown(self, rises: list[Any]) -> list[tuple[Any, Integers | None]]:
+    def _with_shown(self, rises: list[Any]) -> list[tuple[Any, IntArray | None]]:
         """Each component's rise, and what its sensor shows where effects change that."""
         shown = self._effects.shown if self._effects is not None else lambda _: None
         return [(rise, shown(index)) for index, rise in enumerate(rises)]
 
-    def state_record(self) -> Record:
+    def state_record(self) -> RecordArray:
         """The state words alone, shape (L,); the record's other fields are 0."""
         record = np.zeros(self.lanes, dtype=record_type(self._program))
         for component, lanes in zip(self._program.components, self._components, strict=True):
@@ -162,7 +159,7 @@ class ReferenceModel:
             record[AMBIENT_FIELD[0]] = self._over
         return record
 
-    def record(self) -> Record:
+    def record(self) -> RecordArray:
         """Everything that the board keeps after a sample, shape (L,), see :func:`record_type`."""
         record = self.state_record()
         assert self._row is not None, "no sample was taken yet"
@@ -182,7 +179,7 @@ class ReferenceModel:
         return record
 
 
-def pwm_flags(program: Program) -> Integers:
+def pwm_flags(program: Program) -> IntArray:
     """The flags that each |PWM| of the domain brings with it, shape (rows,)."""
     rows = domain_rows(program.model)
     low, high = program.model.validity

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray, RecordArray, SingleArray
 from gen.lowering.network import fixed, float32
 from gen.lowering.network.factors import WORD_BITS, scaled
 from gen.lowering.network.gains import share
@@ -18,9 +19,6 @@ from gen.reference.flags import OUTSIDE_VALIDITY, PWM_CLAMPED, SATURATED, START_
 from gen.reference.float32 import accumulated
 from gen.reference.thousandths import thousandths
 
-Integers = NDArray[np.int64]
-Singles = NDArray[np.float32]
-Record = NDArray[np.void]
 _LIMIT = 0xFFFF
 
 
@@ -45,21 +43,21 @@ class ReferenceNetwork:
         domain: tuple[int, int],
         validity: tuple[int, int],
         start_mK: Mapping[str, Sequence[int]],
-        channels: Integers | None = None,
+        channels: IntArray | None = None,
     ) -> None:
         self._program = program
         self._domain, self._validity = domain, validity
         self.lanes = len(start_mK[program.readings[0].name])
         self._low_bits = fixed.LOW_BITS if program.arithmetic == "fixed" else float32.LOW_BITS
-        self._limited: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._limited: IntArray = np.zeros(self.lanes, dtype=np.int64)
         neutral = np.array([channel.neutral for channel in program.channels], dtype=np.int64)
-        self._channels: Integers = np.repeat(neutral[:, None], self.lanes, axis=1)
+        self._channels: IntArray = np.repeat(neutral[:, None], self.lanes, axis=1)
         if channels is not None:
             self.set_channels(channels)
-        self._flags: Integers = np.zeros(self.lanes, dtype=np.int64)
-        self._command: Integers = np.zeros(self.lanes, dtype=np.int64)
+        self._flags: IntArray = np.zeros(self.lanes, dtype=np.int64)
+        self._command: IntArray = np.zeros(self.lanes, dtype=np.int64)
         self._sums = (FixedSums if program.arithmetic == "fixed" else FloatSums)(program)
-        self._state: Integers = np.zeros((len(program.states), self.lanes), dtype=np.int64)
+        self._state: IntArray = np.zeros((len(program.states), self.lanes), dtype=np.int64)
         #: Readings over the ambient at the start, in thousandths of a kelvin, before their limits.
         self.starts_mK = {name: np.asarray(given, dtype=np.int64) for name, given in start_mK.items()}
         self._start()
@@ -85,32 +83,32 @@ class ReferenceNetwork:
             high[node] = ambient + (total >> program.rest_bits - 8 * WHOLE.least)
         self._state = high << self._low_bits
 
-    def _ambient(self) -> Integers:
+    def _ambient(self) -> IntArray:
         return degrees(self._channels[0], scale_of(self._program.fraction_bits))
 
     @property
-    def within_ranges(self) -> NDArray[np.bool_]:
+    def within_ranges(self) -> BoolArray:
         """Lanes in which no channel was held to its range so far, shape (L,)."""
         return np.asarray(self._limited == 0)
 
     @property
-    def saturations(self) -> Integers:
+    def saturations(self) -> IntArray:
         """How often a told value was held to its range, as the board's 16-bit counter has it."""
         return self._limited
 
-    def set_channels(self, values: Integers) -> None:
+    def set_channels(self, values: IntArray) -> None:
         """Tell the channels' values from now on, in thousandths, shape (channels, L)."""
         for number in range(len(self._program.channels)):
             self.set_channel(number, values[number])
 
-    def set_channel(self, number: int, values: Integers) -> None:
+    def set_channel(self, number: int, values: IntArray) -> None:
         """Tell one channel's values from now on, in thousandths, shape (L,)."""
         channel = self._program.channels[number]
         held = np.clip(values, channel.low, channel.high)
         self._limited = np.minimum(self._limited + (held != values), _LIMIT)
         self._channels[number] = held
 
-    def step(self, pwm: Integers) -> None:
+    def step(self, pwm: IntArray) -> None:
         """Advance by one sample with the PWM of each lane, shape (L,)."""
         (first, last), (low, high) = self._domain, self._validity
         magnitude = np.abs(pwm)
@@ -124,13 +122,13 @@ class ReferenceNetwork:
         self._state = self._sums.advance(self._state, upper, self._ambient(), within - first, factors)
 
     @property
-    def _reading_words(self) -> Integers:
+    def _reading_words(self) -> IntArray:
         upper, ambient = self._state >> self._low_bits, self._ambient()
         drifted = [0 if r.drift is None else upper[r.drift] for r in self._program.readings]
         readings = zip(self._program.readings, drifted, strict=True)
         return np.array([self._shown(r, upper[r.state], ambient) + r.offset + drift for r, drift in readings])
 
-    def _shown(self, reading: Reading, word: Integers, ambient: Integers) -> Integers:
+    def _shown(self, reading: Reading, word: IntArray, ambient: IntArray) -> IntArray:
         """What a sensor shows of a temperature without its offset."""
         gain, shape = reading.gain, self._program.gains
         if gain is None or shape is None:
@@ -138,12 +136,12 @@ class ReferenceNetwork:
         return word + share(gain.over(word, ambient), gain.word, shape.shown)
 
     @property
-    def readings(self) -> NDArray[np.float64]:
+    def readings(self) -> FloatArray:
         """Reading of every component as its word, shape (components, L), in degC."""
         return np.asarray(self._reading_words * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
-    def temperatures(self) -> NDArray[np.float64]:
+    def temperatures(self) -> FloatArray:
         """Every state as its upper word, shape (states, L), in degC."""
         upper = self._state >> self._low_bits
         return np.asarray(upper * 2.0**-self._program.fraction_bits, dtype=np.float64)
@@ -154,20 +152,20 @@ class ReferenceNetwork:
         self._channels[:, target] = self._channels[:, source]
 
     @property
-    def rises(self) -> NDArray[np.float64]:
+    def rises(self) -> FloatArray:
         """Reading of every component over the ambient that was told last, shape (components, L), in K."""
         return np.asarray((self._reading_words - self._ambient()) * 2.0**-self._program.fraction_bits, dtype=np.float64)
 
     @property
-    def rises_mK(self) -> Integers:
+    def rises_mK(self) -> IntArray:
         """The same in thousandths of a kelvin, to nearest."""
         return thousandths(self._reading_words - self._ambient(), self._program.fraction_bits)
 
-    def node_mC(self, state: int) -> Integers:
+    def node_mC(self, state: int) -> IntArray:
         """A state's temperature in thousandths of a degree Celsius, to nearest, shape (L,): of a hidden node, too."""
         return thousandths(self._state[state] >> self._low_bits, self._program.fraction_bits)
 
-    def state_record(self) -> Record:
+    def state_record(self) -> RecordArray:
         """The state words alone, shape (L,); the record's other fields are 0."""
         record = np.zeros(self.lanes, dtype=record_type(self._program))
         for state, words in zip(self._program.states, self._state, strict=True):
@@ -175,7 +173,7 @@ class ReferenceNetwork:
             record[f"{state.name}.T.hi"] = words >> self._low_bits
         return record
 
-    def record(self) -> Record:
+    def record(self) -> RecordArray:
         """Everything that the board keeps after a sample, shape (L,), see :func:`record_type`."""
         record = self.state_record()
         for channel, values in zip(self._program.channels, self._channels, strict=True):
@@ -218,14 +216,14 @@ class _Layout:
         self.first = np.flatnonzero(np.diff(self.target, prepend=-1))
         self.orders = np.array([state.orders for state in program.states])
 
-    def driven(self, temperatures: Integers, ambient: Integers) -> list[tuple[Integers, Integers]]:
+    def driven(self, temperatures: IntArray, ambient: IntArray) -> list[tuple[IntArray, IntArray]]:
         """What drives heat along each path with a law, from its first end, and its slope."""
         ends = [(own, temperatures[own.first], own.second) for own in self.program.laws]
         return [own.evaluate(one, ambient if other is None else temperatures[other]) for own, one, other in ends]
 
     def differences(
-        self, temperatures: Integers, ambient: Integers, driven: Sequence[tuple[Integers, Integers]]
-    ) -> Integers:
+        self, temperatures: IntArray, ambient: IntArray, driven: Sequence[tuple[IntArray, IntArray]]
+    ) -> IntArray:
         """Source less target of each term, or what its law makes of it; the other way round where it grows."""
         sources = np.concatenate([temperatures, ambient[None], np.zeros((1, ambient.size), dtype=np.int64)])
         given = sources[self.source] + np.where(self.is_reference[:, None], self.reference, 0)
@@ -251,8 +249,8 @@ class FixedSums:
         self._shift = np.array([state.shift for state in program.states])[:, None]
 
     def advance(
-        self, state: Integers, upper: Integers, ambient: Integers, row: Integers, factors: list[Integers]
-    ) -> Integers:
+        self, state: IntArray, upper: IntArray, ambient: IntArray, row: IntArray, factors: list[IntArray]
+    ) -> IntArray:
         """States after one sample, shape (n, L)."""
         program, layout = self._program, self._layout
         rates = self._words[:, row]
@@ -276,20 +274,20 @@ class FixedSums:
                 y = self._handed_on(total, bits - program.series_bits[order - 1], order + 1)
         return np.asarray(state + change, dtype=np.int64)
 
-    def _handed_on(self, total: Integers, bits: Integers, order: int) -> Integers:
+    def _handed_on(self, total: IntArray, bits: IntArray, order: int) -> IntArray:
         """A sum as a word for the next order; a third or a fifth is taken a byte below it."""
         if order not in WEIGHT:
             return _shifted(total, bits)
         below = 8 if self._program.products[order - 1].width < 4 else 0
         return weighted(_shifted(total, bits - below), order) >> below
 
-    def _gathered(self, order: int, differences: Integers, rates: Integers) -> Integers:
+    def _gathered(self, order: int, differences: IntArray, rates: IntArray) -> IntArray:
         """Sum of each state's products."""
         product = self._program.products[order - 1]
         made = product.of(differences, rates >> 8 * (4 - product.width))
         return np.asarray(np.add.reduceat(made, self._layout.first, axis=0), dtype=np.int64)
 
-    def _heat(self, state: StateProgram, row: Integers, factors: list[Integers]) -> Integers:
+    def _heat(self, state: StateProgram, row: IntArray, factors: list[IntArray]) -> IntArray:
         total = np.zeros(row.size, dtype=np.int64)
         for heat in state.heats:
             word = np.asarray(heat.words, dtype=np.int64)[row]
@@ -301,18 +299,18 @@ class FixedSums:
         return total
 
 
-def _shifted(total: Integers, bits: Integers) -> Integers:
+def _shifted(total: IntArray, bits: IntArray) -> IntArray:
     """Down by each state's bits, or up where they are negative."""
     return np.asarray((total << np.maximum(-bits, 0)) >> np.maximum(bits, 0), dtype=np.int64)
 
 
-def weighted(y: Integers, order: int) -> Integers:
+def weighted(y: IntArray, order: int) -> IntArray:
     """A third or a fifth of y: 85/256 or 51/256 of it, and a 256th of that more."""
     part = y * WEIGHT[order] >> 8
     return part + (part >> 8)
 
 
-def _scaled(word: Integers, own: Sequence[int], factors: list[Integers]) -> Integers:
+def _scaled(word: IntArray, own: Sequence[int], factors: list[IntArray]) -> IntArray:
     for k in own:
         word = scaled(word, factors[k])
     return word
@@ -331,8 +329,8 @@ class FloatSums:
         self._places = [(starts[counts > k] + k, np.flatnonzero(counts > k)) for k in range(int(counts.max()))]
 
     def advance(
-        self, state: Integers, upper: Integers, ambient: Integers, row: Integers, factors: list[Integers]
-    ) -> Integers:
+        self, state: IntArray, upper: IntArray, ambient: IntArray, row: IntArray, factors: list[IntArray]
+    ) -> IntArray:
         """States after one sample, shape (n, L)."""
         program, layout = self._program, self._layout
         singles = [
@@ -363,7 +361,7 @@ class FloatSums:
             change = np.where(partakes, change + y, change)
         return accumulated(state, change, 0)
 
-    def _gathered(self, total: Singles, differences: Singles, rates: Singles) -> Singles:
+    def _gathered(self, total: SingleArray, differences: SingleArray, rates: SingleArray) -> SingleArray:
         products = differences * rates
         total = total.copy()
         for terms, targets in self._places:

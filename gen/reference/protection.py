@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray, RecordArray
 from gen.lowering.protection import MOST_TIMES, LoweredProtection, Word
-
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
-Record = NDArray[np.void]
 
 
 class ReferenceProtection:
@@ -39,7 +35,7 @@ class ReferenceProtection:
         self._left = np.zeros((len(entries), lanes), dtype=np.int64)
         self._times = np.zeros((len(entries), lanes), dtype=np.int64)
 
-    def advance(self, record: Record) -> None:
+    def advance(self, record: RecordArray) -> None:
         """Go on from what a board keeps, shape (L,), see :func:`protection_fields`."""
         for number in range(len(self._entries)):
             self._held[number] = record[f"protection.{number}.held"]
@@ -50,7 +46,7 @@ class ReferenceProtection:
         self.holding = record["protection.holding"].astype(np.int64)
         self._asked = record["protection.asked"] != 0
 
-    def restore(self, acting: Integers) -> None:
+    def restore(self, acting: IntArray) -> None:
         """Act as before a reset of the board.
 
         Parameters
@@ -60,11 +56,11 @@ class ReferenceProtection:
         """
         self.acting |= acting & sum(1 << number for number, entry in enumerate(self._entries) if entry.lasts)
 
-    def ask(self, lanes: Flags) -> None:
+    def ask(self, lanes: BoolArray) -> None:
         """Ask for the end of what has to be asked for, at the next sample, in the lanes that are marked, shape (L,)."""
         self._asked |= lanes
 
-    def step(self, words: Mapping[Word, Integers], measured_mC: Integers, valid: Integers) -> None:
+    def step(self, words: Mapping[Word, IntArray], measured_mC: IntArray, valid: IntArray) -> None:
         """Take a sample.
 
         Parameters
@@ -94,14 +90,14 @@ class ReferenceProtection:
         self._asked[:] = False
 
     @property
-    def waiting(self) -> Integers:
+    def waiting(self) -> IntArray:
         """Samples before a command may end all that acts, shape (L,)."""
         waiting = np.zeros(len(self.acting), dtype=np.int64)
         for number in _pausing(self._entries):
             waiting = np.where((self.acting >> number) & 1, np.maximum(waiting, self._left[number]), waiting)
         return waiting
 
-    def _pause(self, number: int, entry: LoweredProtection, acted: Flags, acts: Flags) -> None:
+    def _pause(self, number: int, entry: LoweredProtection, acted: BoolArray, acts: BoolArray) -> None:
         """What comes again soon has to wait, each time twice as long; what stays away is forgotten bit by bit."""
         left, times = self._left[number], self._times[number]
         pause = np.where(times > 0, np.minimum(entry.pause << np.maximum(times - 1, 0), 0xFFFF), 0)
@@ -111,7 +107,7 @@ class ReferenceProtection:
         )
         self._times[number] = np.select([acts & ~acted, forgets], [np.minimum(times + 1, MOST_TIMES), times - 1], times)
 
-    def most_pwm(self, full_scale: int) -> Integers:
+    def most_pwm(self, full_scale: int) -> IntArray:
         """The largest |PWM| that is allowed, shape (L,), in counts."""
         most = np.full(len(self.acting), full_scale, dtype=np.int64)
         for number, entry in enumerate(self._entries):
@@ -119,17 +115,17 @@ class ReferenceProtection:
         return most
 
     @property
-    def holds(self) -> Flags:
+    def holds(self) -> BoolArray:
         """Whether the forecast says to what the motor is derated, shape (L,)."""
         return self.any_of([entry.holds for entry in self._entries])
 
-    def any_of(self, chosen: Sequence[bool]) -> Flags:
+    def any_of(self, chosen: Sequence[bool]) -> BoolArray:
         """Whether an entry acts that is among the chosen ones, shape (L,); `chosen` has one for each entry."""
         mask = sum(1 << number for number, choice in enumerate(chosen) if choice)
-        found: Flags = (self.acting & mask) != 0
+        found: BoolArray = (self.acting & mask) != 0
         return found
 
-    def keep(self, record: Record) -> None:
+    def keep(self, record: RecordArray) -> None:
         """Write what the board keeps into a record, shape (L,), see :func:`protection_fields`."""
         if not self._entries:
             return
@@ -148,10 +144,10 @@ def _pausing(entries: Sequence[LoweredProtection]) -> list[int]:
     return [number for number, entry in enumerate(entries) if entry.pause]
 
 
-def _set_bits(values: Integers, mask: int) -> Integers:
+def _set_bits(values: IntArray, mask: int) -> IntArray:
     """How many bits of a mask are set in each value."""
     places = [place for place in range(mask.bit_length()) if mask >> place & 1]
-    count: Integers = sum(((values >> place) & 1 for place in places), np.zeros_like(values))
+    count: IntArray = sum(((values >> place) & 1 for place in places), np.zeros_like(values))
     return count
 
 

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.lowering.alarms import lower_alarms
 from gen.reference.first_alarms import first_raised
 from gen.reference.sampled import sampled
 from gen.runs import Run
 
-Array = NDArray[np.float64]
 
-
-def raised_s(coefficients: Coefficients, run: Run, model_degC: Mapping[str, Array]) -> dict[str, float]:
+def raised_s(coefficients: Coefficients, run: Run, model_degC: Mapping[str, FloatArray]) -> dict[str, float]:
     """Give when each rule's alarm is first raised, if nobody resets it.
 
     The board's own judgement (:func:`first_raised`) on what it would be given (:func:`sampled`).

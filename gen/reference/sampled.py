@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.lowering.alarms import COLD_mK
 from gen.model import ThermalModel
 from gen.runs import Run
 from gen.runs.gaps import gaps
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _ON_GRID = 1e-6
 """A row this close to a sample, in samples, counts as on it (decimal times are not exact in binary)."""
@@ -38,15 +36,15 @@ class Sampled:
         Whether the model starts with the right slopes: from cold.
     """
 
-    time_s: Array
-    pwm: Integers
-    measured_mC: Integers
-    model_mC: Integers
-    valid: Integers
+    time_s: FloatArray
+    pwm: IntArray
+    measured_mC: IntArray
+    model_mC: IntArray
+    valid: IntArray
     trusted: bool
 
 
-def sampled(model: ThermalModel, run: Run, model_degC: Mapping[str, Array]) -> Sampled:
+def sampled(model: ThermalModel, run: Run, model_degC: Mapping[str, FloatArray]) -> Sampled:
     """Give a run in the board's samples.
 
     Between rows what was measured is held, and the model runs straight. In a gap nothing is measured.
@@ -68,13 +66,13 @@ def sampled(model: ThermalModel, run: Run, model_degC: Mapping[str, Array]) -> S
     return Sampled(grid, run.pwm[acting], measured, shown_mC.astype(np.int64), valid, _starts_cold(run, names))
 
 
-def _held(values: Array) -> Array:
+def _held(values: FloatArray) -> FloatArray:
     """Each missing sample replaced by the latest before it; NaN before the first."""
     last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))
     return np.where(last >= 0, values[last], np.nan)
 
 
-def _seen(run: Run, names: Sequence[str], row: NDArray[np.intp]) -> tuple[Integers, Integers]:
+def _seen(run: Run, names: Sequence[str], row: NDArray[np.intp]) -> tuple[IntArray, IntArray]:
     """What was measured at each sample: thousandths of a degree, shape (parts, K), and the bits of the valid."""
     measured = np.zeros((len(names), row.size), dtype=np.int64)
     valid = np.zeros(row.size, dtype=np.int64)
@@ -89,12 +87,12 @@ def _seen(run: Run, names: Sequence[str], row: NDArray[np.intp]) -> tuple[Intege
     return measured, valid
 
 
-def _in_gap(time_s: Array, values: Array) -> NDArray[np.bool_]:
+def _in_gap(time_s: FloatArray, values: FloatArray) -> BoolArray:
     """Rows that lie in a gap of a column; a value's own row does not."""
     known = np.flatnonzero(np.isfinite(values))
     after = gaps(time_s, values)
     latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
-    inside: NDArray[np.bool_] = np.where(latest >= 0, after[latest], True) & ~np.isfinite(values)
+    inside: BoolArray = np.where(latest >= 0, after[latest], True) & ~np.isfinite(values)
     return inside
 
 

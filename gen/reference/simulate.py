@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.lowering.kinds import Arithmetic
@@ -20,7 +20,6 @@ from gen.reference.board import record_type, reference_of, state_names
 from gen.replay import Inputs, check_inputs, inputs_of
 from gen.runs import Run
 
-Array = NDArray[np.float64]
 Start = Literal["auto", "ambient", "measured"]
 
 #: A time this close below a grid point, in samples, counts as on it (decimal times are not exact in binary).
@@ -33,7 +32,7 @@ def simulate_run(
     arithmetic: Literal["exact", "fixed", "float"],
     start: Start,
     file: str,
-) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
+) -> dict[str, FloatArray | IntArray]:
     """Model temperatures at the run's own times.
 
     Parameters
@@ -64,7 +63,7 @@ def simulate_run(
     inputs = inputs_of(coefficients, run, file, as_declared=False)
     check_inputs(coefficients, inputs.channels, inputs.measured_ambient is not None, file)
     rise = {name: _initial_rise(name, inputs, start, file) for name in coefficients.model.component_names}
-    columns: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {"time_s": run.time_s}
+    columns: dict[str, FloatArray | IntArray] = {"time_s": run.time_s}
     if arithmetic == "exact":
         shown = _exact(coefficients, run, inputs, rise, start)
         return columns | {f"{name}_degC": values for name, values in shown.items()}
@@ -78,7 +77,7 @@ def simulate_run(
 
 def _exact(
     coefficients: Coefficients, run: Run, inputs: Inputs, rise: dict[str, float], start: Start
-) -> dict[str, Array]:
+) -> dict[str, FloatArray]:
     """Temperatures by component, degC."""
     model = coefficients.model
     if model.network is not None:
@@ -105,7 +104,7 @@ def _shown_at_start(network: Network, inputs: Inputs, rise: dict[str, float], st
 
 def _on_board(
     coefficients: Coefficients, arithmetic: Arithmetic, run: Run, inputs: Inputs, rise: dict[str, float]
-) -> tuple[dict[str, Array], dict[str, NDArray[np.int64]]]:
+) -> tuple[dict[str, FloatArray], dict[str, IntArray]]:
     program = lower(coefficients, arithmetic, "table")
     samples = (run.time_s - run.time_s[0]) / program.model.sample_time
     grid = np.floor(samples + _ON_GRID).astype(np.int64)
@@ -117,7 +116,7 @@ def _on_board(
     starts = {name: [round((value + over) * 1000.0)] for name, value in rise.items()}
     model = reference_of(program, starts, None if told is None else told[:, :1])
     wanted = set(grid.tolist())
-    kept: dict[int, tuple[Array, np.void]] = {}
+    kept: dict[int, tuple[FloatArray, np.void]] = {}
     holds_temperatures = program.network is not None or program.ambient is not None
     for step in range(length + 1):
         if told is not None and program.network is not None:
@@ -142,7 +141,7 @@ def _on_board(
     return {name: rises[:, i] for i, name in enumerate(program.model.component_names)}, words
 
 
-def _told(inputs: Inputs, program: Program) -> NDArray[np.int64] | None:
+def _told(inputs: Inputs, program: Program) -> IntArray | None:
     """What the board is told at every row, in thousandths; the measured ambient first."""
     if not program.channels:
         return None
@@ -150,7 +149,7 @@ def _told(inputs: Inputs, program: Program) -> NDArray[np.int64] | None:
     return np.rint(np.array(columns) * 1000.0).astype(np.int64)
 
 
-def _sensed(inputs: Inputs) -> Array:
+def _sensed(inputs: Inputs) -> FloatArray:
     """The measured ambient; where there is none the one that rises count from."""
     return inputs.ambient if inputs.measured_ambient is None else inputs.measured_ambient
 

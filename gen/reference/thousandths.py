@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import IntArray
 from gen.lowering.kinds import OUTPUT_BITS
 
-Integers = NDArray[np.int64]
 
-
-def thousandths(word: Integers, bits: int) -> Integers:
+def thousandths(word: IntArray, bits: int) -> IntArray:
     """A word of 2^-bits K in thousandths of a kelvin, to nearest, halves upwards.
 
     The board multiplies in 32 bits, so that no more than 25 bits after the binary point take part.
     """
     kept = min(bits, OUTPUT_BITS)
     fraction = (word & ((1 << bits) - 1)) >> (bits - kept)
-    result: Integers = (word >> bits) * 1000 + (fraction * 125 + (1 << (kept - 4)) >> (kept - 3))
+    result: IntArray = (word >> bits) * 1000 + (fraction * 125 + (1 << (kept - 4)) >> (kept - 3))
     return result

@@ -13,13 +13,13 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import Deviation, window_counts
 from gen.coefficients.checks.alarm_checks import healthy_end_K
 from gen.errors import InputError
 from gen.refinement.condense import Condensed
 from gen.runs.faults import called_unhealthy, declared_faults
-from gen.runs.run import FloatArray
 
 _LEAST_K = 2.0
 """Rules closer to the model trip on the model's own error; they say nothing of a fault here. Those that count from the

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.identification.logs.believed import believed_run
@@ -21,7 +21,7 @@ from gen.model.exact import ExactSolution
 from gen.model.extended import FINEST_S, ExtendedSolution, own_rate
 from gen.replay import Inputs, ambient_column, check_inputs, check_meaning, inputs_of, read_for
 from gen.runs import Run, check_run, noted_in
-from gen.runs.run import FloatArray, board_columns
+from gen.runs.run import board_columns
 
 BINS = 240
 """Aimed at for a run of some time constants."""
@@ -292,7 +292,7 @@ def _solved(coefficients: Coefficients, run: Run, inputs: Inputs) -> tuple[dict[
     return first, solution.over_ambient(run.time_s, run.pwm, inputs.ambient, first)
 
 
-def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
+def _bins(time: FloatArray, pwm: IntArray) -> tuple[IntArray, FloatArray]:
     """Bin of each row, and the bins' ends; every bin holds a row, so a long gap is one bin.
 
     Where PWM is held for long, a change begins a bin.
@@ -312,7 +312,7 @@ def _bins(time: FloatArray, pwm: NDArray[np.int64]) -> tuple[NDArray[np.int64], 
     return index, np.concatenate([time[starts], time[-1:]])
 
 
-def _binned(residual: FloatArray, time: FloatArray, index: NDArray[np.int64], count: int) -> tuple[FloatArray, float]:
+def _binned(residual: FloatArray, time: FloatArray, index: IntArray, count: int) -> tuple[FloatArray, float]:
     """Means, and the scatter about each bin's own straight line."""
     good = np.isfinite(residual)
     r, t, i = residual[good], time[good], index[good]

@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.provenance import ERROR_WINDOWS
 from gen.runs import Run
-from gen.runs.run import FloatArray
 
 FEWEST = 3
 """Readings that a mean is of."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import stats
 
-from gen.runs.run import FloatArray
+from gen.arrays import FloatArray
 
 LEVEL = 0.05
 LEAST_GAIN = 0.05

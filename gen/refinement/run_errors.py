@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.refinement.condense import free_run
 from gen.refinement.thinning import Samples, held, measured
 from gen.runs import Run
-from gen.runs.run import FloatArray
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.runs.run import FloatArray
+from gen.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.model.network_parts import PWM
 from gen.replay.meaning import check_meaning
 from gen.runs import AMBIENT, Run, read_run, with_noted_ambient
 from gen.runs.gaps import held_over_gaps
-from gen.runs.run import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +67,7 @@ def read_for(coefficients: Coefficients, path: Path, *, most_rows: int | None = 
     return run if coefficients.model.ambient_fixed is not None else with_noted_ambient(run, str(path))
 
 
-def _believed(coefficients: Coefficients, values: FloatArray) -> NDArray[np.int64]:
+def _believed(coefficients: Coefficients, values: FloatArray) -> IntArray:
     """Rows from which a part may start: its readings in the model's range, all of them where none is."""
     low, high = coefficients.document.domain.temperature_degC
     inside = np.flatnonzero((values >= low) & (values <= high))

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.rig.config import MotorConfig
 from gen.rig.losses import Condition, Heat, Operation, heat, resistance, settled_speed
-from gen.rig.network import Floats, Network, propagator
+from gen.rig.network import Network, propagator
 from gen.rig.parameters import AMBIENT, HIDDEN, NODES, HeatPath
 from gen.rig.profiles import FULL_SCALE
 
@@ -68,12 +69,12 @@ class Motor:
         if HIDDEN in self.nodes and HIDDEN not in start and self.config.hidden is not None:
             start[HIDDEN] = start.get(self.config.hidden.node, ambient_degC)
         #: Temperatures, degC, in the order of `nodes`.
-        self.state: Floats = np.array([start.get(name, ambient_degC) for name in self.nodes])
+        self.state: FloatArray = np.array([start.get(name, ambient_degC) for name in self.nodes])
         self.ambient_degC = ambient_degC
         self._speed = 0.0  # signed, over rated speed
         self._current = 0.0
         self._network = _network(self.config)
-        self._propagators: dict[tuple[float, float, float], tuple[Floats, Floats]] = {}
+        self._propagators: dict[tuple[float, float, float], tuple[FloatArray, FloatArray]] = {}
         self._heat_key: tuple[Operation, Condition] | None = None
         self._heat: Heat | None = None
         self._base = np.zeros(len(self.nodes))
@@ -218,7 +219,7 @@ class Motor:
         casing, ambient = float(self.state[_CASING]) + KELVIN, self.ambient_degC + KELVIN
         return self.config.radiating_area_m2 * STEFAN_BOLTZMANN * (casing**4 - ambient**4)
 
-    def _propagator(self, speed: float, airflow: float, h: float) -> tuple[Floats, Floats]:
+    def _propagator(self, speed: float, airflow: float, h: float) -> tuple[FloatArray, FloatArray]:
         """Make what a step multiplies state, ambient and heat with, and keep it."""
         rates = self._network.rates(conductances(self.config, self._network, speed, airflow))
         grow = propagator(rates, h)
@@ -229,7 +230,7 @@ class Motor:
         return made
 
 
-def conductances(config: MotorConfig, network: Network, speed: float, airflow_m_s: float = 0.0) -> Floats:
+def conductances(config: MotorConfig, network: Network, speed: float, airflow_m_s: float = 0.0) -> FloatArray:
     """W/K of each heat path at a speed over rated speed and an airflow over the casing, shape (paths,)."""
     made = network.conductances(speed)
     rest = 1.0 + (config.standstill_cooling - 1.0) * math.exp(-speed / 0.02)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.rig.parameters import AMBIENT, HeatPath
-
-Floats = NDArray[np.float64]
 
 
 class Network:
@@ -44,27 +42,27 @@ class Network:
                     spread[k, here, there] += 1.0
         self._spread = spread.reshape(len(paths), -1)
 
-    def conductances(self, speed: float) -> Floats:
+    def conductances(self, speed: float) -> FloatArray:
         """W/K of each path at a speed as a fraction of the rated one, shape (paths,)."""
         return np.asarray(self._still + self._forced * np.power(speed, self._exponent), dtype=np.float64)
 
-    def flows(self, conductances: Floats) -> Floats:
+    def flows(self, conductances: FloatArray) -> FloatArray:
         """``[-G, g]`` in W/K, shape (n, n + 1): heat into each node from every node's temperature and ambient's."""
         n = len(self.nodes)
-        flows: Floats = (conductances @ self._spread).reshape(n, n + 1)
+        flows: FloatArray = (conductances @ self._spread).reshape(n, n + 1)
         return flows
 
-    def rates(self, conductances: Floats) -> Floats:
+    def rates(self, conductances: FloatArray) -> FloatArray:
         """`flows` over the capacities, 1/s, shape (n, n + 1)."""
         return np.asarray(self.flows(conductances) / self.capacities[:, None], dtype=np.float64)
 
 
-def steady(flows: Floats, heat_W: Floats, ambient_degC: float) -> Floats:
+def steady(flows: FloatArray, heat_W: FloatArray, ambient_degC: float) -> FloatArray:
     """Temperatures at which nothing changes, degC, shape (n,)."""
     return np.asarray(np.linalg.solve(-flows[:, :-1], heat_W + flows[:, -1] * ambient_degC), dtype=np.float64)
 
 
-def propagator(rates: Floats, step_s: float) -> Floats:
+def propagator(rates: FloatArray, step_s: float) -> FloatArray:
     """``h * phi1(h A)`` with ``phi1(Z) = (exp(Z) - 1) / Z``, shape (n, n): exact for a constant right-hand side.
 
     ``T(t + h) = T + h phi1(h A) (A T + b)``. The series converges for every Z; with steps below the network's fastest

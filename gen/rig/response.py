@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.rig.losses import HEALTHY, Condition, Heat, Operation, heat, resistance
-from gen.rig.network import Floats, Network, steady
+from gen.rig.network import Network, steady
 from gen.rig.parameters import NODES, MotorParameters
 
 
@@ -32,12 +33,12 @@ class Held:
         Copper loss at the settled winding temperature.
     """
 
-    rates: Floats
-    settled: Floats
+    rates: FloatArray
+    settled: FloatArray
     heat: Heat
     copper_W: float
 
-    def rise_from(self, start_degC: Floats, time_s: Floats) -> Floats:
+    def rise_from(self, start_degC: FloatArray, time_s: FloatArray) -> FloatArray:
         """Temperatures at some times, degC, shape (times, 6).
 
         The copper loss is taken at its settled resistance all the time, which at no load is some hundredths of a watt.
@@ -45,7 +46,7 @@ class Held:
         values, vectors = np.linalg.eig(self.rates[:, :-1])
         # A passive network's eigenvalues are real: C^1/2 A C^-1/2 is symmetric.
         weights = np.linalg.solve(vectors.real, start_degC - self.settled)
-        modes: Floats = np.exp(np.outer(time_s, values.real)) * weights
+        modes: FloatArray = np.exp(np.outer(time_s, values.real)) * weights
         return np.asarray(self.settled + modes @ vectors.real.T)
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.rig.config import MotorConfig
 from gen.rig.motor import Motor
-from gen.rig.network import Floats
 from gen.rig.parameters import AMBIENT, MEASURED
 from gen.rig.profiles import Profile
 from gen.rig.sensors import SensorConfig, Thermocouple, decode
@@ -142,10 +142,10 @@ class Truth:
         The motor that ran.
     """
 
-    time_s: Floats
-    temperatures: dict[str, Floats]
-    load_Nm: Floats
-    airflow_m_s: Floats
+    time_s: FloatArray
+    temperatures: dict[str, FloatArray]
+    load_Nm: FloatArray
+    airflow_m_s: FloatArray
     motor: MotorConfig
 
     def write(self, path: Path | str) -> None:
@@ -233,7 +233,7 @@ def warm_start(profile: Profile, motor: MotorConfig | None = None, ambient_degC:
     return warm.temperatures
 
 
-def _measure(setup: Setup, time_s: Floats, true: Mapping[str, Floats]) -> dict[str, Floats]:
+def _measure(setup: Setup, time_s: FloatArray, true: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Read every sensor at every row."""
     seeds = np.random.SeedSequence(setup.seed).spawn(len(setup.sensors) + 1)[1:]
     measured = {}
@@ -244,7 +244,9 @@ def _measure(setup: Setup, time_s: Floats, true: Mapping[str, Floats]) -> dict[s
     return measured
 
 
-def _extras(setup: Setup, time_s: Floats, current: Floats, voltage: Floats, speed: Floats) -> dict[str, Floats]:
+def _extras(
+    setup: Setup, time_s: FloatArray, current: FloatArray, voltage: FloatArray, speed: FloatArray
+) -> dict[str, FloatArray]:
     random = np.random.default_rng(np.random.SeedSequence(setup.seed).spawn(1)[0])
     logged = {
         "current_A": np.round(current + random.normal(0.0, setup.current_noise_A, len(time_s)), 3),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.runs.run import FloatArray
+from gen.arrays import FloatArray
 
 _FIRST = 1 << 14
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gen.arrays import BoolArray, FloatArray
 
 MISSING = 1.5
 """Without values for longer than so many of a column's usual distances, while there are rows: a gap."""
@@ -16,15 +15,15 @@ SILENT = 20.0
 """The same where there are no rows either: a log whose rows come unevenly has no gap at each long step."""
 
 
-def held_over_gaps(values: Array) -> Array:
+def held_over_gaps(values: FloatArray) -> FloatArray:
     """Each missing sample replaced by the latest one before it (the first one before all); not all may be missing."""
     known = np.flatnonzero(~np.isnan(values))
     latest = np.searchsorted(known, np.arange(values.size), side="right") - 1
-    held: Array = values[known[np.maximum(latest, 0)]]
+    held: FloatArray = values[known[np.maximum(latest, 0)]]
     return held
 
 
-def gaps(time_s: Array, values: Array) -> NDArray[np.bool_]:
+def gaps(time_s: FloatArray, values: FloatArray) -> BoolArray:
     """Find out after which of a column's known values there is a gap.
 
     Parameters

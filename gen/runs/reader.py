@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.errors import InputError
 from gen.runs.columns import Columns
 from gen.runs.head import NUMBER, Head, check_columns, decoded, naming, opened, read_head
-from gen.runs.run import AMBIENT, FloatArray, Run, board_columns
+from gen.runs.run import AMBIENT, Run, board_columns
 from gen.runs.thinning import thinned
 
 _CELSIUS = (-273.15, 5000.0)
@@ -224,7 +224,7 @@ def _shown(value: float) -> str:
 
 
 def _check_values(values: FloatArray, head: Head, first: int, last_time: float) -> None:
-    def fail(bad: NDArray[np.bool_], column: str, message: str) -> None:
+    def fail(bad: BoolArray, column: str, message: str) -> None:
         row = int(np.argmax(bad))
         value = values[row, head.columns.index(column)]
         found = "found nothing" if np.isnan(value) else f"found {_shown(value)}"

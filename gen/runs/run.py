@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
+from gen.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
 AMBIENT = "ambient_degC"
 EXPECTS = "expects"
 """Key of the comment in which a planned profile, and a run that followed it, says what it is to decide."""
@@ -47,7 +45,7 @@ class Run:
     """
 
     time_s: FloatArray
-    pwm: NDArray[np.int64]
+    pwm: IntArray
     temps: dict[str, FloatArray] = field(default_factory=dict)
     ambient: FloatArray | None = None
     extras: dict[str, FloatArray] = field(default_factory=dict)
@@ -55,9 +53,9 @@ class Run:
     rows_in_file: int | None = None
     doubted: tuple[str, ...] = ()
 
-    def columns(self) -> dict[str, FloatArray | NDArray[np.int64]]:
+    def columns(self) -> dict[str, FloatArray | IntArray]:
         """Every column by the name that it has in a run file, in the file's order, shape (N,) each."""
-        found: dict[str, FloatArray | NDArray[np.int64]] = {"time_s": self.time_s, "pwm": self.pwm}
+        found: dict[str, FloatArray | IntArray] = {"time_s": self.time_s, "pwm": self.pwm}
         found |= {f"{name}_degC": values for name, values in self.temps.items()}
         if self.ambient is not None:
             found[AMBIENT] = self.ambient

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.runs.run import FloatArray
+from gen.arrays import FloatArray, IntArray
 
 _STRETCHES = 100
 """Of a run, along which rows with the most temperatures are looked for."""
@@ -55,7 +55,7 @@ def thinned(channels: dict[str, NDArray[Any]], sampled: Collection[str], most_ro
     return made
 
 
-def _informative(channels: dict[str, NDArray[Any]], sampled: Collection[str], rows: int) -> NDArray[np.int64]:
+def _informative(channels: dict[str, NDArray[Any]], sampled: Collection[str], rows: int) -> IntArray:
     """Rows with as many measured temperatures as any other about them: a log may have them in every tenth row only.
 
     About them, and not in all of the run: a sensor may be lost for good, or come late.
@@ -75,7 +75,7 @@ def _prime(least: int) -> int:
     return next(n for n in count(max(least, 1)) if all(n % d for d in range(2, int(n**0.5) + 1)))
 
 
-def _means(values: NDArray[Any], kept: NDArray[np.int64]) -> FloatArray:
+def _means(values: NDArray[Any], kept: IntArray) -> FloatArray:
     """Mean from each kept row to the next, NaN where nothing was measured."""
     good = np.isfinite(values)
     number = np.add.reduceat(good, kept, dtype=np.int64)
@@ -83,7 +83,7 @@ def _means(values: NDArray[Any], kept: NDArray[np.int64]) -> FloatArray:
     return np.asarray(np.where(number > 0, total / np.maximum(number, 1), np.nan))
 
 
-def _averaged(time: FloatArray, pwm: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[np.int64]:
+def _averaged(time: FloatArray, pwm: NDArray[Any], kept: IntArray) -> IntArray:
     """Mean |PWM| over time until the next kept row, commoner sign; the rounded rest goes to the next."""
     step = np.diff(time, append=2.0 * time[-1] - time[-2])  # the last row counts, too
     span = np.maximum(np.add.reduceat(step, kept), 1e-12)

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from io import TextIOWrapper
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import FloatArray, IntArray
 from gen.files import replacing
 from gen.runs.run import Run
 
@@ -33,7 +31,7 @@ def write_run(path: Path | str, run: Run) -> None:
 
 def write_columns(
     path: Path | str,
-    columns: Mapping[str, NDArray[np.float64] | NDArray[np.int64]],
+    columns: Mapping[str, FloatArray | IntArray],
     comments: Mapping[str, str] | None = None,
 ) -> None:
     """Write any columns in the form of a run file, NaN as an empty field.

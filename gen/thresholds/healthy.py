@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.lowering.alarms import COLD_mK, start_wait
 from gen.lowering.heat import block_samples
@@ -15,8 +15,6 @@ from gen.reference.heat_blocks import Blocks, blocks_of
 from gen.reference.sampled import sampled
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
-
-Array = NDArray[np.float64]
 
 MEAN_S = 60.0
 """Deviations are means over so long: the converter's noise is no deviation, and rules have a persistence."""
@@ -49,8 +47,8 @@ class HealthyRun:
     """
 
     name: str
-    pwm: NDArray[np.int64]
-    deviation_K: dict[str, Array]
+    pwm: IntArray
+    deviation_K: dict[str, FloatArray]
     hottest_rise_K: dict[str, float]
     cold: bool = False
     blocks: Blocks | None = None
@@ -114,7 +112,7 @@ def differences(runs: Iterable[HealthyRun], component: str, other: str) -> list[
     ]
 
 
-def _ambient(coefficients: Coefficients, run: Run) -> Array:
+def _ambient(coefficients: Coefficients, run: Run) -> FloatArray:
     fixed = coefficients.model.ambient_fixed
     if run.ambient is not None and not np.all(np.isnan(run.ambient)):
         known = ~np.isnan(run.ambient)
@@ -122,13 +120,13 @@ def _ambient(coefficients: Coefficients, run: Run) -> Array:
     return np.full(len(run.time_s), np.nan if fixed is None else fixed)
 
 
-def _since_change(time_s: Array, magnitude: NDArray[np.int64]) -> Array:
+def _since_change(time_s: FloatArray, magnitude: IntArray) -> FloatArray:
     """Time for which |PWM| has been what it is, s."""
     changed = np.flatnonzero(np.diff(magnitude, prepend=-1) != 0)
     return time_s - time_s[changed[np.searchsorted(changed, np.arange(len(time_s)), side="right") - 1]]
 
 
-def _means(values: Array, begins: NDArray[np.int64], seen: NDArray[np.bool_]) -> Array:
+def _means(values: FloatArray, begins: IntArray, seen: BoolArray) -> FloatArray:
     """Means over the windows of what was read, shape (windows,).
 
     NaN for one in which the rule sleeps in any row, or with less than half of the usual number of readings.

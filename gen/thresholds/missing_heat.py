@@ -15,9 +15,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import gumbel_r
 
+from gen.arrays import BoolArray, FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.alarms import MissingHeat, Unsettled, window_counts
 from gen.coefficients.rules import LEAST_HOURS, RuleDraft
@@ -25,8 +25,6 @@ from gen.errors import InputError
 from gen.lowering.heat import BIN_COUNTS, RATE_BITS, LoweredHeat, PER_mK, block_samples, lower_heat, slowest_rates
 from gen.reference.heat_blocks import Blocks, sums_after
 from gen.thresholds.healthy import HealthyRun
-
-Array = NDArray[np.float64]
 
 SOON_S = 300.0
 """A heat is to be heard within so long."""
@@ -68,7 +66,7 @@ class _Trial:
     coefficients: Coefficients
     rule: MissingHeat
     records: tuple[Blocks, ...]
-    trusted: NDArray[np.bool_]
+    trusted: BoolArray
 
     def lowered(self, slack_K_per_h: float, unsettled: Unsettled) -> LoweredHeat:
         """The rule with other numbers, and a threshold that no sum reaches."""
@@ -77,11 +75,11 @@ class _Trial:
         )
         return lower_heat(self.coefficients.document, self.coefficients.model, rule)
 
-    def sums_K(self, lowered: LoweredHeat, runs: NDArray[np.bool_] | None = None) -> Array:
+    def sums_K(self, lowered: LoweredHeat, runs: BoolArray | None = None) -> FloatArray:
         """Sums after each block, shape (runs, blocks)."""
         chosen = np.ones(len(self.records), dtype=np.bool_) if runs is None else runs
         records = [record for record, taken in zip(self.records, chosen, strict=True) if taken]
-        sums: Array = sums_after([lowered], records, self.trusted[chosen])[0] / (1000.0 * PER_mK)
+        sums: FloatArray = sums_after([lowered], records, self.trusted[chosen])[0] / (1000.0 * PER_mK)
         return sums
 
     @property
@@ -95,7 +93,7 @@ class _Trial:
         """How long the runs are together."""
         return sum(len(record.magnitude) for record in self.records) * self.block_s / HOUR_S
 
-    def level_K(self, sums: Array, hours: float) -> float:
+    def level_K(self, sums: FloatArray, hours: float) -> float:
         """The level that a healthy hour's greatest sum exceeds once in so many hours."""
         maxima = np.array(list(self._hourly(sums)))
         greatest = float(maxima.max())
@@ -105,7 +103,7 @@ class _Trial:
         by_rate = float(place - scale * np.log(-np.log1p(-1.0 / max(hours, 1.0 + 1e-6))))
         return max(by_rate, HEADROOM * greatest)
 
-    def _hourly(self, sums: Array) -> Iterator[float]:
+    def _hourly(self, sums: FloatArray) -> Iterator[float]:
         blocks = max(1, round(HOUR_S / self.block_s))
         for row, record in zip(sums, self.records, strict=True):
             own = row[: len(record.magnitude)]
@@ -211,7 +209,7 @@ def _unsettled(trial: _Trial, slack: float, most_K: float) -> Unsettled:
     return best[1]
 
 
-def _least(trial: _Trial, slack: float, base: Unsettled, key: str, runs: NDArray[np.bool_], most_K: float) -> float:
+def _least(trial: _Trial, slack: float, base: Unsettled, key: str, runs: BoolArray, most_K: float) -> float:
     """The least amount with which the runs' sums stay below a level, or below what the most of it reaches."""
     if not runs.any():
         return 0.0

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.firmware.step_responses import HORIZON_S, board_course, levels, starts
 from gen.lowering.program import Program
 from gen.model.exact import ExactSolution
 from gen.model.network_solution import NetworkSolution
-from gen.model.schedules import FloatArray
 from gen.reference.board import reference_of
-from gen.verification.profiles import Integers, Profile, campaign, with_channels
+from gen.verification.profiles import Profile, campaign, with_channels
 
 #: A run of 10 800 s at the sample time of 0.25 s.
 LENGTH = 43_200
@@ -142,7 +142,7 @@ def step_errors(program: Program, length: int = LENGTH) -> StepErrors:
     )
 
 
-def _exact_steps(program: Program, held: Integers, begin: Mapping[str, float]) -> dict[str, FloatArray]:
+def _exact_steps(program: Program, held: IntArray, begin: Mapping[str, float]) -> dict[str, FloatArray]:
     """Exact rises at constant PWM, shape (V, N + 1) each, K."""
     model = program.model
     if model.network is None:
@@ -154,7 +154,7 @@ def _exact_steps(program: Program, held: Integers, begin: Mapping[str, float]) -
     return {name: np.array([lane[name] for lane in lanes]) - room for name in model.component_names}
 
 
-def _told(program: Program, profile: Profile) -> Integers | None:
+def _told(program: Program, profile: Profile) -> IntArray | None:
     """What the board is told of a moving ambient before start and samples, shape (1, L, N + 1), if it does."""
     if program.ambient is None:
         return None
@@ -163,7 +163,7 @@ def _told(program: Program, profile: Profile) -> Integers | None:
     return np.moveaxis(np.clip(told, program.ambient.low, program.ambient.high), 2, 0)
 
 
-def _in_domain(program: Program, pwm: Integers) -> Integers:
+def _in_domain(program: Program, pwm: IntArray) -> IntArray:
     low, high = program.model.domain_pwm
-    clamped: Integers = np.clip(np.abs(pwm), low, high)
+    clamped: IntArray = np.clip(np.abs(pwm), low, high)
     return clamped

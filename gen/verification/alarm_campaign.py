@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray, RecordArray
 from gen.lowering import heat
 from gen.lowering.alarms import LoweredRule
 from gen.lowering.heat import LoweredHeat
@@ -18,8 +18,6 @@ from gen.reference.heat import watched
 from gen.verification.profiles import Profile
 from gen.verification.sample import sample_fields
 
-Integers = NDArray[np.int64]
-Records = NDArray[np.void]
 STEP, BEGIN, RESET_AND_STEP = 0, 1, 2
 _RESET_SHARE = 4e-3
 #: A sensor's step, in thousandths of a degree: half of the readings lie on it, so that thresholds are met exactly.
@@ -40,8 +38,8 @@ class AlarmCampaign:
         The reference's records, shape (L, N).
     """
 
-    inputs: Records
-    expected: Records
+    inputs: RecordArray
+    expected: RecordArray
 
 
 def input_type(components: int, rules: Sequence[LoweredRule]) -> np.dtype[np.void]:
@@ -111,7 +109,7 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     for name in begun.dtype.names or ():
         inputs[name][:, 0] = begun[name]
     expected = np.zeros((lanes, length), dtype=output_type(program, rules))
-    ambient: Integers = np.zeros(lanes, dtype=np.int64)
+    ambient: IntArray = np.zeros(lanes, dtype=np.int64)
     source = _Measurements(random, rules, lanes, count)
     for step in range(length):
         pwm = profile.pwm[:, step]
@@ -132,15 +130,15 @@ def campaign(program: Program, rules: Sequence[LoweredRule], profile: Profile, s
     return AlarmCampaign(inputs, expected)
 
 
-def _rising(random: np.random.Generator, shape: tuple[int, ...]) -> Integers:
+def _rising(random: np.random.Generator, shape: tuple[int, ...]) -> IntArray:
     """How fast parts rise, shape (components, L): mostly not at all, or by kelvins, or as far as words go."""
     near = 250 * random.integers(0, 12, shape)
     far = random.integers(0, 1 << 16, shape)
-    rising: Integers = np.select([random.random(shape) < 0.8, random.random(shape) < 0.9], [0 * near, near], far)
+    rising: IntArray = np.select([random.random(shape) < 0.8, random.random(shape) < 0.9], [0 * near, near], far)
     return rising
 
 
-def _keep(row: Records, program: Program, modelled: Integers, alarms: ReferenceAlarms) -> None:
+def _keep(row: RecordArray, program: Program, modelled: IntArray, alarms: ReferenceAlarms) -> None:
     state = alarms.record()
     for name in state.dtype.names or ():
         row[name] = state[name]
@@ -151,10 +149,10 @@ def _keep(row: Records, program: Program, modelled: Integers, alarms: ReferenceA
 def _close_to_the_end(
     random: np.random.Generator,
     rules: Sequence[LoweredRule],
-    begun: Records,
-    lanes: NDArray[np.bool_],
-    pwm: Integers,
-) -> Records:
+    begun: RecordArray,
+    lanes: BoolArray,
+    pwm: IntArray,
+) -> RecordArray:
     record = begun.copy()
     count = int(lanes.sum())
     record["latched"][lanes] = random.integers(0, 1 << len(rules), count)
@@ -173,9 +171,9 @@ def _close_to_the_end(
 def _close_in_heat(
     random: np.random.Generator,
     rules: Sequence[LoweredHeat | None],
-    record: Records,
-    lanes: NDArray[np.bool_],
-    pwm: Integers,
+    record: RecordArray,
+    lanes: BoolArray,
+    pwm: IntArray,
 ) -> None:
     """Blocks about to end, sums about to be full, what is usual and unsettled anywhere up to what the words hold."""
     count = int(lanes.sum())
@@ -210,9 +208,9 @@ def _close_in_heat(
         record["heat.pwm"][lanes] = pwm[lanes]  # or nothing would be settled enough to learn
 
 
-def _scales(random: np.random.Generator, count: int) -> Integers:
+def _scales(random: np.random.Generator, count: int) -> IntArray:
     """Divisors that spread values over all orders of magnitude."""
-    scales: Integers = 2 ** random.integers(0, 30, count)
+    scales: IntArray = 2 ** random.integers(0, 30, count)
     return scales
 
 
@@ -220,9 +218,9 @@ def _fields(record: np.dtype[np.void]) -> list[tuple[str, str]]:
     return [(name, kind.str) for name, (kind, *_) in (record.fields or {}).items()]
 
 
-def _mask(parts: NDArray[np.bool_]) -> Integers:
+def _mask(parts: BoolArray) -> IntArray:
     """A bit for each component, shape (components, L), as one mask for each lane."""
-    mask: Integers = (parts << np.arange(len(parts))[:, None]).sum(axis=0)
+    mask: IntArray = (parts << np.arange(len(parts))[:, None]).sum(axis=0)
     return mask
 
 
@@ -243,7 +241,7 @@ class _Measurements:
         self._left = np.zeros(self._shape, dtype=np.int64)
         self._missing = np.zeros(self._shape, dtype=np.int64)
 
-    def next(self, modelled: Integers) -> tuple[Integers, Integers, Integers]:
+    def next(self, modelled: IntArray) -> tuple[IntArray, IntArray, IntArray]:
         """Measured temperatures, shape (components, L); masks of the valid and of the plausible ones, shape (L,)."""
         self._left -= 1
         for component, lane in np.argwhere(self._left < 0):

@@ -7,14 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.lowering.program import Program
 from gen.reference.board import record_type, reference_of
 from gen.verification.profiles import Profile
 
-Records = NDArray[np.void]
-Runner = Callable[[Profile], Records]
+Runner = Callable[[Profile], RecordArray]
 
 #: What a state is moved by, as a record names it.
 _COEFFICIENT = re.compile(r"\.(?:R\d+|S|A|B)$")
@@ -52,7 +51,7 @@ class Mismatch:
         )
 
 
-def reference_run(program: Program, profile: Profile) -> Records:
+def reference_run(program: Program, profile: Profile) -> RecordArray:
     """The reference's records for a profile, shape (L, N)."""
     told = None if profile.channels is None else np.moveaxis(profile.channels, (1, 2), (0, 1))  # (N + 1, channels, L)
     model = reference_of(program, [int(rise) for rise in profile.start_mK], None if told is None else told[0])
@@ -70,7 +69,7 @@ def words_per_sample(program: Program) -> int:
     return len(record_type(program).names or ())
 
 
-def first_mismatch(expected: Records, found: Records) -> Mismatch | None:
+def first_mismatch(expected: RecordArray, found: RecordArray) -> Mismatch | None:
     """The earliest differing word, or None."""
     names = list(expected.dtype.names or ())
     differs = {name: expected[name] != found[name] for name in names}
@@ -130,7 +129,7 @@ def _lane(profile: Profile, lane: int) -> Profile:
     return Profile(profile.pwm[lane : lane + 1], profile.start_mK[lane : lane + 1], told)
 
 
-def _samples(lane: Profile, kept: NDArray[np.int64]) -> Profile:
+def _samples(lane: Profile, kept: IntArray) -> Profile:
     """Some samples of one lane; before the first one stands what it is told at the start."""
     told = None if lane.channels is None else lane.channels[:, np.concatenate([[0], kept + 1])]
     return Profile(lane.pwm[:, kept], lane.start_mK, told)

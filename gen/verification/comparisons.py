@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import RecordArray
 from gen.lowering.alarms import LoweredRule
 from gen.lowering.forecast import LoweredForecast
 from gen.lowering.protection import LoweredProtection
@@ -19,7 +17,6 @@ from gen.verification.harness import AvrHarness, Harness, HostHarness
 from gen.verification.protection_campaign import protection_campaign
 from gen.verification.runners import Library
 
-Records = NDArray[np.void]
 ALARMS = Harness("verify_alarms", "outputs and alarms")
 PROTECTION = Harness("verify_protection", "protection")
 #: More than any model's sample takes, its effects included.
@@ -30,7 +27,7 @@ class Compared(NamedTuple):
     """One target: its name, what the reference expects of it, and the first difference."""
 
     target: str
-    expected: Records
+    expected: RecordArray
     mismatch: Mismatch | None
 
 
@@ -98,7 +95,7 @@ def compare_forecast(
 
 
 def _compared(
-    library: Library, harness: Harness, inputs: Records, expected: Records, hosts: Sequence[str], *, board: bool
+    library: Library, harness: Harness, inputs: RecordArray, expected: RecordArray, hosts: Sequence[str], *, board: bool
 ) -> Iterator[Compared]:
     harness.write(library)
     kind = expected.dtype

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.effects import EffectsProgram
 from gen.lowering.program import Program
 from gen.model.effects import Applied
@@ -14,9 +14,6 @@ from gen.reference.model import ReferenceModel
 from gen.verification.accuracy import ErrorCourse
 from gen.verification.held import HeldSolution
 from gen.verification.profiles import campaign
-
-Integers = NDArray[np.int64]
-Array = NDArray[np.float64]
 
 #: Samples of the comparison with the exact solution, which is integrated step by step.
 EFFECTS_LENGTH = 14_400
@@ -70,7 +67,7 @@ def course_with_effects(program: Program, effects: Sequence[Applied], lanes: int
     )
 
 
-def _drawn(random: np.random.Generator, effects: EffectsProgram, lanes: int) -> Integers:
+def _drawn(random: np.random.Generator, effects: EffectsProgram, lanes: int) -> IntArray:
     values = []
     for channel in effects.channels:
         quarter = (channel.high - channel.low) // 4

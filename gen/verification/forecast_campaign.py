@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.lowering.forecast import LoweredForecast
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.forecast import ReferenceForecast, forecast_fields
 from gen.verification.sample import sample_fields
 
-Integers = NDArray[np.int64]
-Records = NDArray[np.void]
 STEP, BEGIN = 0, 1
 #: A lane's PWM stays for so many samples at most: less than a run takes, or long enough for whole searches.
 _LONGEST = (20, 1_000)
@@ -31,8 +29,8 @@ _STEADY = 2
 class ForecastCampaign:
     """Inputs of L lanes, shape (L, N + 1), the first of which begins the lane, and what is expected, shape (L, N)."""
 
-    inputs: Records
-    expected: Records
+    inputs: RecordArray
+    expected: RecordArray
 
 
 def input_type(program: Program) -> np.dtype[np.void]:
@@ -89,7 +87,7 @@ class _Surroundings:
         self.ambient_mC = int(random.integers(0, 40_000))
         self.told = self._channels()
         below = _spread(random, int(random.choice([300, 60_000])), len(self._limits))
-        self.starts_mK: Integers = self._limits - self.ambient_mC - (5_000 if steady else below)
+        self.starts_mK: IntArray = self._limits - self.ambient_mC - (5_000 if steady else below)
         self.pwm = program.model.full_scale * int(random.choice([-1, 1])) if steady else 0
         self._left, self._longest = 0, int(random.choice(_LONGEST))
 
@@ -107,15 +105,15 @@ class _Surroundings:
             self.ambient_mC += int(random.integers(-2_000, 2_000))
             self.told = self._channels()
 
-    def measured(self, readings_mC: Integers) -> tuple[Integers, int]:
+    def measured(self, readings_mC: IntArray) -> tuple[IntArray, int]:
         """Measurements around a model's readings, shape (components,), and which of them there are, as a bit mask."""
         random, count = self._random, len(readings_mC)
         beside = np.where(random.random(count) < 0.5, 1, -1) * _spread(random, 100, count)
         close = np.asarray(random.random(count) < _CLOSE_SHARE) | self._steady
-        found: Integers = np.where(close, self._limits - random.integers(0, 200, count), readings_mC + beside)
+        found: IntArray = np.where(close, self._limits - random.integers(0, 200, count), readings_mC + beside)
         return found, (1 << count) - 1 if self._steady else int(random.integers(0, 1 << count))
 
-    def _channels(self) -> Integers | None:
+    def _channels(self) -> IntArray | None:
         """The ambient as it is, every other channel anywhere in its range."""
         if not self._program.channels:
             return None
@@ -125,7 +123,7 @@ class _Surroundings:
 
 
 def _lane(
-    program: Program, forecast: LoweredForecast, given: _Surroundings, inputs: Records, expected: Records
+    program: Program, forecast: LoweredForecast, given: _Surroundings, inputs: RecordArray, expected: RecordArray
 ) -> None:
     names = program.model.component_names
     starts = {name: [int(rise)] for name, rise in zip(names, given.starts_mK, strict=True)}
@@ -145,26 +143,26 @@ def _lane(
         _keep(expected[step : step + 1], ahead, dict(zip(names, board.rises_mK, strict=True)))
 
 
-def _limits(program: Program, forecast: LoweredForecast) -> Integers:
+def _limits(program: Program, forecast: LoweredForecast) -> IntArray:
     """Each component's limit, of one without the lowest of all, shape (components,), in thousandths of a degree."""
     found = dict.fromkeys(range(len(program.parts)), min(limit.limit_mC for limit in forecast.limits))
     found |= {limit.part: limit.limit_mC for limit in forecast.limits if limit.part in found}
     return np.array(list(found.values()), dtype=np.int64)
 
 
-def _spread(random: np.random.Generator, most: int, count: int) -> Integers:
+def _spread(random: np.random.Generator, most: int, count: int) -> IntArray:
     """Sizes from 1 to `most`, as many in each decade."""
     return np.asarray(np.exp(random.random(count) * np.log(most)), dtype=np.int64)
 
 
-def _put(row: Records, op: int, given: _Surroundings, measured_mC: Integers, valid: int) -> None:
+def _put(row: RecordArray, op: int, given: _Surroundings, measured_mC: IntArray, valid: int) -> None:
     row["op"], row["pwm"], row["ambient_mC"], row["valid"] = op, given.pwm, given.ambient_mC, valid
     row["measured_mC"][0] = measured_mC
     if given.told is not None:
         row["channel"][0] = given.told[:, 0]
 
 
-def _keep(row: Records, ahead: ReferenceForecast, rises_mK: Mapping[str, Integers]) -> None:
+def _keep(row: RecordArray, ahead: ReferenceForecast, rises_mK: Mapping[str, IntArray]) -> None:
     ahead.keep(row)
     row["samples"], row["near"] = ahead.samples, ahead.near
     if "most_pwm" in (row.dtype.names or ()):

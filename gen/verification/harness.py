@@ -7,17 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.arrays import RecordArray
 from gen.avr.compile import sizes
 from gen.avr.room import check_room
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.errors import CheckFailed
 from gen.templating import environment
 from gen.verification.runners import HOST_BUILDS, TAKEN, WARNINGS, Library, link_harness
-
-Records = NDArray[np.void]
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,7 @@ class HostHarness:
         if done.returncode:
             raise CheckFailed(f"{name} does not compile the emitted library:\n{done.stderr[-4000:]}")
 
-    def run(self, inputs: Records) -> Records:
+    def run(self, inputs: RecordArray) -> RecordArray:
         """The records after every input but each lane's first, shape (L, N) of (L, N + 1).
 
         Raises
@@ -109,7 +107,7 @@ class AvrHarness:
         folders = [MAILBOX_FOLDER, library.include, library.folder]
         self._elf = link_harness(library, [source], folders, f"{harness.stem}.elf")
 
-    def run(self, inputs: Records) -> Records:
+    def run(self, inputs: RecordArray) -> RecordArray:
         """The records after every input but each lane's first, shape (L, N) of (L, N + 1)."""
         flat = inputs.reshape(-1)
         with EmulatedChip(self._elf, self._cache, self._chip) as mega:

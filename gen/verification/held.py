@@ -11,15 +11,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.model import ThermalModel
 from gen.model.dynamics import PWM_LEVELS, Component
 from gen.model.effects import Applied, Moment
 from gen.model.extended import own_rate
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class HeldSolution:
@@ -41,9 +38,9 @@ class HeldSolution:
         self,
         model: ThermalModel,
         effects: Sequence[Applied],
-        shown_K: Mapping[str, Array],
-        ambient: Array,
-        baseline_K: Mapping[str, Array] | None = None,
+        shown_K: Mapping[str, FloatArray],
+        ambient: FloatArray,
+        baseline_K: Mapping[str, FloatArray] | None = None,
     ) -> None:
         self._model = model
         fixed = any(applied.effect.replaces_ambient for applied in effects)
@@ -65,7 +62,7 @@ class HeldSolution:
         for part, state in zip(self._parts, self._state, strict=True):
             part.settle(state, self._counted_from(own), own, ambient)
 
-    def step(self, pwm: Integers, ambient: Array, channels: Mapping[str, Array]) -> None:
+    def step(self, pwm: IntArray, ambient: FloatArray, channels: Mapping[str, FloatArray]) -> None:
         """Advance by one sample.
 
         Parameters
@@ -77,10 +74,10 @@ class HeldSolution:
         low, high = self._model.domain_pwm
         count = np.clip(np.abs(pwm), low, high)
 
-        def slope(state: list[Array], later: float) -> list[Array]:
+        def slope(state: list[FloatArray], later: float) -> list[FloatArray]:
             return self._slopes(state, count, pwm < 0, ambient, channels, self._elapsed + later)
 
-        def moved(by: list[Array], share: float) -> list[Array]:
+        def moved(by: list[FloatArray], share: float) -> list[FloatArray]:
             return [a + share * b for a, b in zip(y, by, strict=True)]
 
         k1 = slope(y, 0.0)
@@ -91,7 +88,7 @@ class HeldSolution:
         self._elapsed += h
         self._measured = ambient
 
-    def shown(self) -> Array:
+    def shown(self) -> FloatArray:
         """What the sensors show over the measured ambient, shape (components, L), K."""
         own = self._ambient(self._measured)
         return np.array(
@@ -101,21 +98,21 @@ class HeldSolution:
             ]
         )
 
-    def _ambient(self, measured: Array) -> Array:
+    def _ambient(self, measured: FloatArray) -> FloatArray:
         return measured if self._fixed is None else np.full_like(measured, self._fixed)
 
-    def _counted_from(self, ambient: Array) -> Array:
+    def _counted_from(self, ambient: FloatArray) -> FloatArray:
         """What the baselines' rises count from, degC."""
         return ambient - self._over(ambient)
 
-    def _over(self, ambient: Array) -> Array:
+    def _over(self, ambient: FloatArray) -> FloatArray:
         """The ambient that acts on the baselines, over what their rises count from, K."""
         return ambient - self._model.ambient_reference if self._model.ambient_passes else np.zeros_like(ambient)
 
     def _slopes(
-        self, state: list[Array], count: Integers, reverse: NDArray[np.bool_], ambient: Array,
-        channels: Mapping[str, Array], elapsed: float,
-    ) -> list[Array]:  # fmt: skip
+        self, state: list[FloatArray], count: IntArray, reverse: BoolArray, ambient: FloatArray,
+        channels: Mapping[str, FloatArray], elapsed: float,
+    ) -> list[FloatArray]:  # fmt: skip
         own = self._ambient(ambient)
         over = self._over(own)
         rises = {part.name: part.rise(y) - over for part, y in zip(self._parts, state, strict=True)}
@@ -157,7 +154,7 @@ class _Part:
         self._inner = [a for a in own if a.effect.heats and a.effect.inner(a.values, _at_rest()) is not None]
         self._lags = [a for a in own if a.effect.lag(a.values) is not None]
 
-    def start(self, seen: Array, ambient: Array, measured: Array) -> Array:
+    def start(self, seen: FloatArray, ambient: FloatArray, measured: FloatArray) -> FloatArray:
         n = self.order
         y = np.zeros((2 * n + len(self._timed) + len(self._inner) + len(self._lags), *seen.shape))
         y[0] = seen
@@ -170,18 +167,18 @@ class _Part:
             y[2 * n + len(self._timed) + i] = a.effect.inner_start(a.values, seen)
         return y
 
-    def settle(self, y: Array, counted_from: Array, ambient: Array, measured: Array) -> None:
+    def settle(self, y: FloatArray, counted_from: FloatArray, ambient: FloatArray, measured: FloatArray) -> None:
         """Sensors with a lag show what they see."""
         for i in range(len(self._lags)):
             y[y.shape[0] - len(self._lags) + i] = self.reading(y, counted_from, ambient, measured, 0.0)[1][i]
 
-    def rise(self, y: Array) -> Array:
+    def rise(self, y: FloatArray) -> FloatArray:
         n = self.order
         return np.asarray(y[0] + y[n] + y[2 * n : 2 * n + len(self._timed)].sum(axis=0))
 
     def reading(
-        self, y: Array, counted_from: Array, ambient: Array, measured: Array, elapsed: float
-    ) -> tuple[Array, list[Array]]:
+        self, y: FloatArray, counted_from: FloatArray, ambient: FloatArray, measured: FloatArray, elapsed: float
+    ) -> tuple[FloatArray, list[FloatArray]]:
         """What the sensor shows, and what stands before each lag, degC."""
         value, before = self.rise(y) + counted_from, []
         for a in self._own:
@@ -191,7 +188,9 @@ class _Part:
             value = a.effect.reading(a.values, value, ambient, measured, elapsed)
         return value, before
 
-    def slope(self, y: Array, m: Moment, count: Integers, over: Array, counted_from: Array, elapsed: float) -> Array:
+    def slope(
+        self, y: FloatArray, m: Moment, count: IntArray, over: FloatArray, counted_from: FloatArray, elapsed: float
+    ) -> FloatArray:
         n, timed = self.order, len(self._timed)
         out = np.zeros_like(y)
         a = self._a[count]

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.effects.program import Channel
 from gen.lowering.program import Program
 from gen.model.network_solution import NetworkSolution, Steps
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
 from gen.verification.accuracy import ErrorCourse
-from gen.verification.profiles import Integers, campaign
+from gen.verification.profiles import campaign
 
-Array = NDArray[np.float64]
 _POINTS = 60
 _CHANGES = 0.02
 """Share of samples at which the channels change."""
@@ -67,6 +66,6 @@ def course_of_network(program: Program, lanes: int, length: int) -> ErrorCourse:
     )
 
 
-def _drawn(random: np.random.Generator, channels: tuple[Channel, ...], lanes: int) -> Integers:
+def _drawn(random: np.random.Generator, channels: tuple[Channel, ...], lanes: int) -> IntArray:
     """Values of every channel, shape (channels, lanes), in thousandths."""
     return np.array([random.integers(channel.low, channel.high + 1, lanes) for channel in channels], dtype=np.int64)

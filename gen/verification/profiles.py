@@ -7,12 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.lowering.effects.program import Channel
 from gen.model import ThermalModel
-
-Integers = NDArray[np.int64]
 
 _BEYOND = 0.05
 """Share of a channel's range by which a campaign leaves it."""
@@ -39,9 +37,9 @@ class Profile:
         None without effects.
     """
 
-    pwm: Integers
-    start_mK: Integers
-    channels: Integers | None = None
+    pwm: IntArray
+    start_mK: IntArray
+    channels: IntArray | None = None
 
     @property
     def samples(self) -> int:
@@ -55,7 +53,7 @@ class Profile:
             made["channels"] = dict(zip(columns, self.channels[lane].T.tolist(), strict=True))
         return made
 
-    def records(self) -> NDArray[np.void]:
+    def records(self) -> RecordArray:
         """All lanes one behind the other, each led by its start, as the harnesses read them."""
         lanes, length = self.pwm.shape
         count = 0 if self.channels is None else self.channels.shape[2]
@@ -119,31 +117,31 @@ def every_command(model: ThermalModel) -> Profile:
     return Profile(np.arange(-scale, scale + 1, dtype=np.int64)[None, :], np.zeros(1, dtype=np.int64))
 
 
-def _held(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _held(random: np.random.Generator, scale: int, length: int) -> IntArray:
     return np.repeat(random.integers(0, scale + 1, 1), length)
 
 
-def _staircase(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _staircase(random: np.random.Generator, scale: int, length: int) -> IntArray:
     hold = int(random.integers(40, max(41, length // 4)))
     levels = random.integers(-scale, scale + 1, length // hold + 1)
     return np.repeat(levels, hold)[:length]
 
 
-def _toggling(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _toggling(random: np.random.Generator, scale: int, length: int) -> IntArray:
     levels = np.array([0, scale]) if random.integers(2) else random.integers(0, scale + 1, 2)
     return np.tile(np.repeat(levels, random.integers(1, 4)), length)[:length]
 
 
-def _noise(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _noise(random: np.random.Generator, scale: int, length: int) -> IntArray:
     return random.integers(-scale, scale + 1, length)
 
 
-def _ramp(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _ramp(random: np.random.Generator, scale: int, length: int) -> IntArray:
     up = np.arange(-scale, scale + 1)
     return np.tile(np.concatenate([up, up[::-1]]), length // (2 * up.size) + 1)[:length]
 
 
-def _bursts(random: np.random.Generator, scale: int, length: int) -> Integers:
+def _bursts(random: np.random.Generator, scale: int, length: int) -> IntArray:
     on = np.full(int(random.integers(100, 2000)), scale)
     off = np.zeros(int(random.integers(100, 2000)), dtype=np.int64)
     return np.tile(np.concatenate([on, off]), length // 200 + 1)[:length]

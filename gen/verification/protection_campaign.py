@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.lowering.program import Program
 from gen.lowering.protection import MOST_TIMES, LoweredProtection, Word
 from gen.reference.protection import ReferenceProtection, protection_fields
 from gen.verification.sample import sample_fields
 
-Integers = NDArray[np.int64]
-Records = NDArray[np.void]
 STEP, BEGIN, ASK_AND_STEP = 0, 1, 2
 _WORDS: tuple[Word, ...] = ("lost", "alarms", "device")
 _ASK_SHARE = 0.04
@@ -26,8 +24,8 @@ _LONGEST = 60
 class ProtectionCampaign:
     """Inputs of L lanes, shape (L, N + 1), the first of which begins the lane, and what is expected, shape (L, N)."""
 
-    inputs: Records
-    expected: Records
+    inputs: RecordArray
+    expected: RecordArray
 
 
 def input_type(components: int, entries: Sequence[LoweredProtection]) -> np.dtype[np.void]:
@@ -86,7 +84,9 @@ def protection_campaign(
     return ProtectionCampaign(inputs, expected)
 
 
-def _keep(row: Records, reference: ReferenceProtection, entries: Sequence[LoweredProtection], full_scale: int) -> None:
+def _keep(
+    row: RecordArray, reference: ReferenceProtection, entries: Sequence[LoweredProtection], full_scale: int
+) -> None:
     reference.keep(row)
     lasting = sum(1 << number for number, entry in enumerate(entries) if entry.lasts)
     row["lasting"] = reference.acting & lasting
@@ -98,7 +98,7 @@ def _keep(row: Records, reference: ReferenceProtection, entries: Sequence[Lowere
         row["holds"] = reference.holds
 
 
-def _begun(random: np.random.Generator, entries: Sequence[LoweredProtection], lanes: int) -> Records:
+def _begun(random: np.random.Generator, entries: Sequence[LoweredProtection], lanes: int) -> RecordArray:
     record = np.zeros(lanes, dtype=protection_fields(entries))
     for number, entry in enumerate(entries):
         record[f"protection.{number}.held"] = np.maximum(entry.delay + 1 - random.integers(0, 4, lanes), 0)
@@ -130,7 +130,7 @@ class _Conditions:
         delays = sorted({entry.delay for entry in entries})
         self._delays = np.array([delay for delay in delays if delay <= _LONGEST] or [0])
 
-    def next(self) -> tuple[dict[Word, Integers], Integers, Integers]:
+    def next(self) -> tuple[dict[Word, IntArray], IntArray, IntArray]:
         """The three words, shape (L,) each, measured temperatures (components, L) in mK, and which are valid (L,)."""
         random = self._random
         self._left -= 1
@@ -139,7 +139,7 @@ class _Conditions:
         anything = random.integers(0, _LONGEST, over.shape)
         self._left = np.where(over, np.where(random.random(over.shape) < 0.5, near, anything), self._left)
         self._on = (self._on ^ over) & self._used
-        words: dict[Word, Integers] = {word: np.zeros(self._shape[1], dtype=np.int64) for word in _WORDS}
+        words: dict[Word, IntArray] = {word: np.zeros(self._shape[1], dtype=np.int64) for word in _WORDS}
         for number, (word, bit) in enumerate(self._bits):
             words[word] |= self._on[number].astype(np.int64) << bit
         measured = np.asarray(random.integers(-20_000, 150_000, self._shape), dtype=np.int64)

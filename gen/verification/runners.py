@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.arrays import IntArray, RecordArray
 from gen.avr.chip import MEGA, Chip
 from gen.avr.compile import (
     CPP_FLAGS,
@@ -32,8 +32,6 @@ from gen.reference.board import record_type
 from gen.templating import environment
 from gen.verification.profiles import Profile
 from gen.verification.profiles import record_type as input_type
-
-Records = NDArray[np.void]
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
 _SANITIZE = ("-O1", "-g", "-fsanitize=undefined,address", "-fno-sanitize-recover=all")
@@ -110,7 +108,7 @@ class HostRunner:
         if done.returncode:
             raise CheckFailed(f"{name} does not compile the emitted library:\n{done.stderr[-4000:]}")
 
-    def run(self, profile: Profile) -> Records:
+    def run(self, profile: Profile) -> RecordArray:
         """Everything after every sample, shape (L, N).
 
         Raises
@@ -192,10 +190,10 @@ class AvrRunner:
         empty.write_text("int main() { for (;;) { } }\n")
         self._empty = build_elf([empty], [], library.folder / "empty.elf", link_time=True, chip=library.chip)
         self._model = f"{name}_model"
-        self.cycles: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self.cycles: IntArray = np.zeros(0, dtype=np.int64)
         self.stack_bytes = 0
 
-    def run(self, profile: Profile) -> Records:
+    def run(self, profile: Profile) -> RecordArray:
         """Everything after every sample, shape (L, N); keeps the cycles of each in :attr:`cycles`."""
         records = profile.records()
         layout = record_type(self._library.program)

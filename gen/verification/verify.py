@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from gen.arrays import RecordArray
 from gen.avr.chip import BOARDS, MEGA, Chip
 from gen.coefficients import Coefficients
 from gen.coefficients.wiring import BoardName
@@ -182,7 +183,7 @@ class _Bench:
         """A profile that holds each PWM once."""
         return with_channels(every_command(self.program.model), self.program.channels, seed=511)
 
-    def campaign(self, lanes: int, full: int, seeds: tuple[int, int]) -> tuple[Profile, compare.Records]:
+    def campaign(self, lanes: int, full: int, seeds: tuple[int, int]) -> tuple[Profile, RecordArray]:
         """A profile, and what the reference says of it; of the two seeds one is of commands, one of channels."""
         profile = campaign(self.program.model, lanes, self.length(full, 600), seed=seeds[0])
         profile = with_channels(profile, self.program.channels, seed=seeds[1])
@@ -304,7 +305,7 @@ def _compared(
     name: str,
     run: compare.Runner,
     profile: Profile,
-    expected: compare.Records | None,
+    expected: RecordArray | None,
     *,
     suffix: str = "",
 ) -> TargetResult:

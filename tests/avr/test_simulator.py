@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from gen.arrays import SingleArray
 from gen.avr import simulator
 from gen.avr.compile import ArduinoCore
 from gen.avr.simulator import MARKER_OVERHEAD, EmulatedChip, EmulationFailed, Stop
@@ -54,7 +55,7 @@ def records(
     )
 
 
-def float_pairs() -> NDArray[np.float32]:
+def float_pairs() -> SingleArray:
     """Corner cases against each other, then random bit patterns that are no NaN, then pairs of like size."""
     tiny, smallest = float(np.finfo(np.float32).tiny), 1e-45
     corners: list[float] = [

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.alarm_hours.judged import pieces
 from benchmarks.alarm_hours.lives import FAULT_S, LOADS_NM, RUN_S, Life, healthy_lives, load_lives, other_lives
 from benchmarks.alarm_hours.oracle import LATEST_S, RATES_H, Delays, oracle_delays, oracle_table
+from gen.arrays import FloatArray
 from gen.rig import SensorConfig, Setup, make_run
 from gen.rig.profiles import step
 from gen.rig.signals import value
@@ -19,7 +19,7 @@ VARIANCE = 0.3**2 + 0.25**2 / 12.0
 SHIFT_K = 0.3
 
 
-def delays_rows(rise_K: float, seed: int) -> NDArray[np.float64]:
+def delays_rows(rise_K: float, seed: int) -> FloatArray:
     """In rows, where a sensor reads so much more from the fault on and the oracle expects `SHIFT_K`."""
     begun = ROW_S * np.arange(801) > FAULT_S
     noise = np.random.default_rng(seed).normal(0.0, np.sqrt(VARIANCE), begun.size)

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from benchmarks.plants.course import Course, course
@@ -18,9 +17,9 @@ from benchmarks.plants.planted.altered import Altered
 from benchmarks.plants.planted.change import Change, Steps
 from benchmarks.plants.profiles import Profile
 from benchmarks.plants.rooms import Room
+from gen.arrays import FloatArray
 from tests.benchmarks.test_plants import LINEAR, LOSSES, by_hand
 
-FloatArray = NDArray[np.float64]
 LONG = 60 * 3600.0
 NODE = Plant(
     names=("part",),

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import gen
 from benchmarks.plants.cases import Bench, Case, bench, write_case
@@ -22,9 +21,8 @@ from benchmarks.plants.planted.trial import Setting, Trial, setting, trials, wri
 from benchmarks.plants.planted.visible import LEAST_PEAK_K, LEAST_RMS_K, MOST_PEAK_K, sight
 from benchmarks.plants.profiles import DataKind
 from benchmarks.plants.rooms import RoomKind
+from gen.arrays import FloatArray
 from gen.model.effects import catalogue_only, registry
-
-FloatArray = NDArray[np.float64]
 
 
 def test_nothing_planted_is_the_motor_as_it_was() -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -25,8 +24,8 @@ from benchmarks.plants.plant import Link, Plant, Source, Surface, copper
 from benchmarks.plants.profiles import DataKind, Profile, fitted, fresh
 from benchmarks.plants.rooms import Room, RoomKind
 from benchmarks.plants.sensors import Sensor
+from gen.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 SEEDS = range(40)
 LOSSES = Losses(
     droop=0.1,

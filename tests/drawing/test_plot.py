@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.cli import cli
 from gen.coefficients import load
 from gen.drawing import interactive, picture
@@ -27,7 +27,6 @@ from gen.errors import InputError
 from gen.runs import Run, read_run, write_run
 from tests.examples import ROOT
 
-Array = NDArray[np.float64]
 RIG = ROOT / "examples" / "my1016_rig" / "coeffs.json"
 NETWORK = ROOT / "examples" / "network" / "coeffs.json"
 HOSTILE = "</script><script>alert(1)</script><img src=http://x.org/a.png onerror=alert(2)>$\\frac%{x}&amp;"
@@ -86,14 +85,14 @@ def figures(page: Path) -> list[dict[str, Any]]:
     return [json.loads(text) for text, kind in zip(found.scripts, types, strict=True) if kind == "application/json"]
 
 
-def numbers(packed: dict[str, str] | list[float]) -> Array:
+def numbers(packed: dict[str, str] | list[float]) -> FloatArray:
     """An array as the plot library packs it."""
     if isinstance(packed, list):
         return np.array(packed, dtype=np.float64)
     return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=packed["dtype"]).astype(np.float64)
 
 
-def trace(figure: dict[str, Any], name: str, extra: str) -> tuple[Array, Array]:
+def trace(figure: dict[str, Any], name: str, extra: str) -> tuple[FloatArray, FloatArray]:
     """Time in the axis's unit and values of the first curve whose hover text ends so."""
     for found in figure["data"]:
         if found["name"] == name and str(found.get("hovertemplate", "")).endswith(f"<extra>{extra}</extra>"):

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.drawing.thinning import line, lonely, steps
 from gen.runs.gaps import gaps
 
-Array = NDArray[np.float64]
 DAY_AT_4_HZ = 24 * 3600 * 4
 
 
-def curve(rows: int, seed: int, missing: float) -> tuple[Array, Array]:
+def curve(rows: int, seed: int, missing: float) -> tuple[FloatArray, FloatArray]:
     """Noise with spikes, of which some stretches and some single values are missing."""
     rng = np.random.default_rng(seed)
     time = np.cumsum(rng.uniform(0.9, 1.1, rows)) * 0.25

@@ -12,15 +12,14 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from gen.arrays import FloatArray
 from gen.coefficients import parse
 from gen.model.effects import Effect, Free, Input, Lanes, Moment, Parameters, Setting, Values, Variant
 from gen.runs import Run, write_run
 from tests.examples import ROOT
 
-Array = NDArray[np.float64]
 GAUGE = "oil_bar"
 PART = "casing"
 AMBIENT = 30.0
@@ -104,12 +103,12 @@ def write_runs(folder: Path, count: int) -> list[Path]:
     return paths
 
 
-def _slope(y: Array, pwm: int, bar: float, rate: Array, heat: Array) -> Array:
+def _slope(y: FloatArray, pwm: int, bar: float, rate: FloatArray, heat: FloatArray) -> FloatArray:
     churned = CHURNING_K_PER_S_BAR * y[1] * (bar - RESTING_BAR)
     return np.array([heat[pwm] + churned - rate[pwm] * y[0], (pwm / 255.0 - y[1]) / FILM_S])
 
 
-def _pieces(random: np.random.Generator, steps: int, typical_s: float, values: list[float]) -> Array:
+def _pieces(random: np.random.Generator, steps: int, typical_s: float, values: list[float]) -> FloatArray:
     """Constant pieces; they change where a row is written."""
     out = np.empty(steps)
     at = 0

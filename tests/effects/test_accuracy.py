@@ -8,9 +8,9 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.lowering.effects.program import Channel
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.program import Program
@@ -19,7 +19,6 @@ from gen.verification.effects import course_with_effects
 from gen.verification.held import HeldSolution
 from tests.effects.cases import CASES, case, lowered
 
-Array = NDArray[np.float64]
 LIMIT_K = {"fixed": 1e-5, "float": 1e-3}
 #: Channels that keep the parts within twice what the baseline can reach, in thousandths.
 REALISTIC = {
@@ -72,7 +71,7 @@ def test_the_exact_solution_and_the_board_obey_hand_written_equations(label: str
     rate = float(component.denominator([abs(PWM)])[0, 1])
     drive = float(component.effective_gain([abs(PWM)])[0]) * abs(PWM)
 
-    def slope(t: float, y: Array) -> list[float]:
+    def slope(t: float, y: FloatArray) -> list[float]:
         warmer, dz = heat(float(y[0]), float(y[1]), t)
         return [drive - rate * y[0] + warmer, dz]
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.cli import cli
 from gen.coefficients import Coefficients, load, parse
 from gen.errors import CheckFailed, InputError
@@ -33,7 +33,6 @@ from gen.verification.held import HeldSolution
 from tests.effects.cases import CASES, case, effect, lowered
 from tests.examples import ROOT, WITH_TRANSFER_FUNCTIONS
 
-Array = NDArray[np.float64]
 Entry = dict[str, Any]
 TS = 0.25
 
@@ -194,7 +193,7 @@ def test_the_limit_is_where_the_hand_written_course_ceases_to_fade() -> None:
     for share, fades in ((0.9, True), (0.999, True), (1.001, False), (1.1, False)):
         span = 10.0 / (rate * abs(1.0 - share))
 
-        def slope(t: float, e: Array, start: float, share: float) -> Array:
+        def slope(t: float, e: FloatArray, start: float, share: float) -> FloatArray:
             base = settles_K + (start - settles_K) * np.exp(-rate * t)
             return np.asarray(rate * (share * (base + e) - e))
 
@@ -218,7 +217,9 @@ def test_what_is_allowed_simulates_to_the_rise_that_the_formula_gives() -> None:
     assert shown[-1] - 20.0 == pytest.approx(150.0 / (1.0 - 0.9), rel=1e-4)
 
 
-def _exact(made: Coefficients, hours: float, pwm: int, channels: dict[str, float] | None = None) -> dict[str, Array]:
+def _exact(
+    made: Coefficients, hours: float, pwm: int, channels: dict[str, float] | None = None
+) -> dict[str, FloatArray]:
     time = np.arange(0.0, hours * 3600.0, 30.0)
     warm = np.full(time.size, 20.0)
     held = {name: np.full(time.size, value) for name, value in (channels or {}).items()}
@@ -306,7 +307,7 @@ def test_coupled_parts_near_the_limit_settle_and_are_right() -> None:
     made = read(parts, [heated("one", "two", 0.98e-3), heated("two", "one", 0.98e-3)])
     shown = _exact(made, hours=40.0, pwm=255)
 
-    def slope(t: float, y: Array) -> list[float]:
+    def slope(t: float, y: FloatArray) -> list[float]:
         base = 50.0 * -np.expm1(-1e-3 * t)
         return [-1e-3 * y[0] + 0.98e-3 * (base + y[1]), -1e-3 * y[1] + 0.98e-3 * (base + y[0])]
 

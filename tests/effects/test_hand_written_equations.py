@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients, parse
 from gen.lowering.effects import lower_effects
 from gen.lowering.lower import lower
@@ -28,7 +28,6 @@ from gen.model.extended import ExtendedSolution
 from gen.reference.model import ReferenceModel
 from gen.verification.held import HeldSolution
 
-Array = NDArray[np.float64]
 TS = 0.25
 #: PWM and samples for which it is held: driven, in reverse, at standstill.
 PROFILE = ((180, 240), (-120, 240), (0, 240))
@@ -245,7 +244,7 @@ def test_every_effect_of_the_catalogue_has_an_equation_here() -> None:
 
 
 @cache
-def by_hand(order: int, label: str, without: bool = False) -> Array:
+def by_hand(order: int, label: str, without: bool = False) -> FloatArray:
     """What the sensor shows after each sample, degC; `without` the effect's heat."""
     case, rest = CASES[label], 3 - order
     counted_from = case.room if case.instead else FIXED
@@ -255,11 +254,11 @@ def by_hand(order: int, label: str, without: bool = False) -> Array:
         p = poles(n, x)
         return [p[0]] if n == 1 else [p[0] * p[1], p[0] + p[1]]
 
-    def higher(n: int, x: int, state: Array, drive: float) -> list[float]:
+    def higher(n: int, x: int, state: FloatArray, drive: float) -> list[float]:
         a = polynomial(n, x)
         return [*state[1:], drive - sum(c * s for c, s in zip(a, state, strict=True))]
 
-    def slope(t: float, y: Array, pwm: int) -> list[float]:
+    def slope(t: float, y: FloatArray, pwm: int) -> list[float]:
         x = abs(pwm)
         base, added, other = y[:order], y[order : 2 * order], y[2 * order : 2 * order + rest]
         z, own, lagged = y[-3:]
@@ -358,7 +357,7 @@ def test_an_effect_is_seen_and_folded_where_it_is_only_a_change_of_entries(order
 @pytest.mark.parametrize(("order", "label", "made"), BOTH_WAYS)
 def test_the_exact_solution_of_runs(order: int, label: str, made: Made) -> None:
     case, coefficients = CASES[label], made(order, label)
-    time: Array = np.arange(HELD.size + 1, dtype=np.float64) * TS
+    time: FloatArray = np.arange(HELD.size + 1, dtype=np.float64) * TS
     start = SHOWN - measured_from(coefficients, case)
     shown = ExtendedSolution(coefficients.model, coefficients.effects).simulate_times(
         time,

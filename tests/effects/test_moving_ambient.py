@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients, parse
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
 from gen.model.extended import ExtendedSolution
 from gen.reference.model import ReferenceModel
 from gen.verification.held import HeldSolution
-from tests.effects.test_hand_written_equations import COMPONENT, DOCUMENT, SHOWN, TS, Array, gain, poles
+from tests.effects.test_hand_written_equations import COMPONENT, DOCUMENT, SHOWN, TS, gain, poles
 
 #: Seconds, PWM and ambient in degC.
 PROFILE = ((60, 180, 25.0), (60, 180, 40.0), (90, 0, 5.0), (30, -120, 31.25))
@@ -24,7 +25,7 @@ FAN, COOLING = 1.5, {1: 0.004, 2: 0.003}
 SECONDS, LEVELS, ROOMS = zip(*PROFILE, strict=True)
 SAMPLES = [round(seconds / TS) for seconds in SECONDS]
 PWM = np.repeat(LEVELS, SAMPLES)
-ROOM: Array = np.repeat(ROOMS, SAMPLES)
+ROOM: FloatArray = np.repeat(ROOMS, SAMPLES)
 
 
 @cache
@@ -37,14 +38,16 @@ def coefficients() -> Coefficients:
 
 
 @cache
-def by_hand(order: int) -> Array:
+def by_hand(order: int) -> FloatArray:
     """A(d/dt) T = K |PWM| + A(0) ambient + a1 q, where q = -k fan (T - ambient) and a1 is A's linear coefficient."""
     y, found = np.array([SHOWN] + [0.0] * (order - 1)), [SHOWN]
     for seconds, pwm, room in PROFILE:
         rates = poles(order, abs(pwm))
         last, linear = float(np.prod(rates)), 1.0 if order == 1 else sum(rates)
 
-        def slope(_: float, x: Array, pwm: int = pwm, room: float = room, a: float = last, b: float = linear) -> Array:
+        def slope(
+            _: float, x: FloatArray, pwm: int = pwm, room: float = room, a: float = last, b: float = linear
+        ) -> FloatArray:
             heat = gain(order, abs(pwm)) * abs(pwm) - b * COOLING[order] * FAN * (x[0] - room)
             return np.array([heat - a * (x[0] - room)] if order == 1 else [x[1], heat - a * (x[0] - room) - b * x[1]])
 
@@ -69,8 +72,8 @@ def test_the_solution_that_judges_the_board(order: int) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_exact_solution_of_runs(order: int) -> None:
-    time: Array = np.arange(PWM.size + 1, dtype=np.float64) * TS
-    room: Array = np.append(ROOM, ROOM[-1])
+    time: FloatArray = np.arange(PWM.size + 1, dtype=np.float64) * TS
+    room: FloatArray = np.append(ROOM, ROOM[-1])
     solution = ExtendedSolution(coefficients().model, coefficients().effects)
     shown = solution.simulate_times(
         time, np.append(PWM, 0), room, room, {"fan": np.full(time.size, FAN)},

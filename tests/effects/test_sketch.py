@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.avr.compile import ArduinoCore, build_elf
 from gen.coefficients import Coefficients, parse
 from gen.coefficients.wiring import Thermocouple
@@ -119,7 +119,7 @@ def test_channels_are_logged_and_act_as_in_the_reference(board: Board, program: 
     assert rise > 4.0, "the current must have heated the bearing"
 
 
-def _told(row: dict[str, str]) -> NDArray[np.int64]:
+def _told(row: dict[str, str]) -> IntArray:
     values = [24.5, float(row["current_A"]), float(row["fan"])]
     return np.array([[round(value * 1000.0)] for value in values])
 
@@ -208,7 +208,7 @@ def _thermocouples(coefficients: Coefficients) -> tuple[Thermocouple, ...]:
     return coefficients.document.wiring.thermocouples
 
 
-def _told_of_gearbox(celsius: str) -> NDArray[np.int64]:
+def _told_of_gearbox(celsius: str) -> IntArray:
     return np.array([[30_000], [round(float(celsius) * 1000.0)]])
 
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients, parse
 from gen.emulate.plants.courses import Course, PartsCourse
 from gen.emulate.plants.model_faults import ModelFault, parse_faults
@@ -22,7 +22,6 @@ from tests.effects.cases import CASES, case
 from tests.examples import ROOT
 from tests.model.test_network import integrated
 
-Array = NDArray[np.float64]
 Tree = dict[str, Any]
 
 TWO_NODES = ROOT / "examples" / "two_nodes" / "coeffs.json"
@@ -77,7 +76,7 @@ def test_natural_convection_and_radiation_are_what_integration_gives() -> None:
         assert list(course.parts.values()) == pytest.approx(state, abs=1e-6)
 
 
-def slope(component: Component, pwm: int, over: float, state: Array) -> Array:
+def slope(component: Component, pwm: int, over: float, state: FloatArray) -> FloatArray:
     """(T, T', ..) by A(d/dt) T = K |PWM| + A(0) over."""
     a = component.denominator([abs(pwm)])[0]
     forced = float(component.effective_gain([abs(pwm)])[0]) * abs(pwm) + a[-1] * over

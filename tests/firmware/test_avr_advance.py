@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.avr.compile import build_elf
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.coefficients import load
@@ -48,11 +48,11 @@ int main() {{
 
 @dataclass(frozen=True)
 class Run:
-    words: NDArray[np.int64]
-    cycles: NDArray[np.int64]
+    words: IntArray
+    cycles: IntArray
 
 
-def inputs() -> NDArray[np.void]:
+def inputs() -> RecordArray:
     rng = np.random.default_rng(7)
     records = np.zeros(STEPS, RECORD)
     third = STEPS // 3
@@ -69,7 +69,7 @@ def program(example: str, schedule: ScheduleKind = "table") -> Program:
     return lower(load(EXAMPLES / example / "coeffs.json"), "fixed", schedule)
 
 
-def board(example: str, records: NDArray[np.void], folder: Path, schedule: ScheduleKind = "table") -> Run:
+def board(example: str, records: RecordArray, folder: Path, schedule: ScheduleKind = "table") -> Run:
     coefficients, lowered = load(EXAMPLES / example / "coeffs.json"), program(example, schedule)
     name = coefficients.name
     sources = []
@@ -97,7 +97,7 @@ def board(example: str, records: NDArray[np.void], folder: Path, schedule: Sched
     return Run(state["hi"].astype(np.int64) * 65536 + state["lo"], np.asarray(cycles, dtype=np.int64))
 
 
-def reference(lowered: Program, records: NDArray[np.void]) -> NDArray[np.int64]:
+def reference(lowered: Program, records: RecordArray) -> IntArray:
     columns = []
     low, high = lowered.model.domain_pwm
     for member in [member for shape in lowered.shapes for member in shape.members]:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from gen.arrays import FloatArray
 from gen.fleet.statistics.batches import Group
 from gen.fleet.statistics.findings import Finding, limit_of
 from gen.fleet.statistics.judging import Judged, judge
 from gen.fleet.statistics.patterns import Hypothesis, Products
-from gen.fleet.statistics.pooling import FloatArray
 from gen.fleet.watch import _explained, _state
 
 ROWS, HYPOTHESES = 200, 4

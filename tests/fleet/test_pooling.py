@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import multivariate_normal
 
+from gen.arrays import FloatArray
 from gen.fleet.statistics import pooling
-from gen.fleet.statistics.pooling import DEGREES, MEAN_SPREAD, USUAL_SPREAD, FloatArray, Pool, Told, pooled
+from gen.fleet.statistics.pooling import DEGREES, MEAN_SPREAD, USUAL_SPREAD, Pool, Told, pooled
 
 FREE = np.zeros(2, dtype=np.bool_)
 

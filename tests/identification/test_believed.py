@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from numpy.typing import NDArray
 
 import gen
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients.wiring import Thermocouple
 from gen.identification.logs import believed as module
 from gen.identification.logs.alone import standing_alone
 from gen.identification.logs.believed import NOISE_K, RATE_K_PER_S, believed, believed_run, scatter_K
 from gen.lowering.sensors import COUNT_K, NOISE_COUNTS
 from gen.runs import Run
-from gen.runs.run import FloatArray
 
 
 def warm_up(rng: np.random.Generator, step: float = 0.5) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -137,7 +136,7 @@ def test_a_spike_in_a_million_readings_costs_its_surroundings_alone(monkeypatch:
     looked_at: list[int] = []
     real = module._longest
 
-    def counted(time: FloatArray, value: FloatArray, noise: float, rate: float) -> NDArray[np.int64]:
+    def counted(time: FloatArray, value: FloatArray, noise: float, rate: float) -> IntArray:
         looked_at.append(time.size)
         return real(time, value, noise, rate)
 
@@ -171,7 +170,7 @@ def test_a_part_that_warms_by_kelvins_from_row_to_row_scatters_no_more_for_it() 
     assert believed(at, ramp).all()
 
 
-def slow_log(rng: np.random.Generator) -> tuple[NDArray[np.int64], FloatArray]:
+def slow_log(rng: np.random.Generator) -> tuple[IntArray, FloatArray]:
     """A row each 30 s, of a heater that is held for 20 minutes at a time: counts, and degC."""
     pwm = np.repeat(np.array([0, 180, 90, 230, 0, 140]), 40)
     level, true = 0.0, np.empty(pwm.size)

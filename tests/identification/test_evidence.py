@@ -8,8 +8,8 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.logs.records import Record, condense
 from gen.identification.parts.bands import NEAREST, Band, next_speed
 from gen.identification.parts.forms import GAIN_FORMS, TIME_FORMS, Form
@@ -18,8 +18,6 @@ from gen.identification.parts.orders import StructureCandidate, _held_out, beats
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identification.parts.structure import Structure
 from gen.identification.parts.uncertainty import Uncertainty, criteria, residual_noise, residual_tests
-
-Array = NDArray[np.float64]
 
 
 def candidate(losses: list[float]) -> StructureCandidate:
@@ -42,7 +40,7 @@ def test_a_richer_structure_has_to_win_by_more_than_chance_and_by_something(rich
 def test_a_held_out_error_is_that_of_a_fit_which_did_not_see_the_rows() -> None:
     """A fit that is perfect where it looked and 3 K off where it did not is a bad one."""
 
-    def fit(layout: object, vector: object, mask: Array, most: int) -> object:
+    def fit(layout: object, vector: object, mask: FloatArray, most: int) -> object:
         return SimpleNamespace(residuals=[np.where(mask == 1.0, 0.0, 3.0)])
 
     problem = cast(OutputErrorProblem, SimpleNamespace(rows=np.array([0, 12]), weights=[np.full(12, 2.0)], fit=fit))
@@ -58,14 +56,14 @@ def test_an_interval_s_half_width_is_students(freedom: float, factor: float) -> 
     assert Uncertainty(np.eye(1), freedom, ()).factor == pytest.approx(factor, abs=5e-4)
 
 
-def record(rise: Array, pwm: NDArray[np.int64] | None = None, sample_s: float = 2.0) -> Record:
+def record(rise: FloatArray, pwm: IntArray | None = None, sample_s: float = 2.0) -> Record:
     time = np.arange(rise.size, dtype=np.float64) * sample_s
     made = condense("run", time, np.full(rise.size, 100) if pwm is None else pwm, 30.0 + rise, 30.0)
     assert made is not None
     return made
 
 
-def drifting(seed: int, length: int, step_s: float, tau_s: float) -> Array:
+def drifting(seed: int, length: int, step_s: float, tau_s: float) -> FloatArray:
     """Noise of variance 1 that forgets itself within tau (first-order autoregression)."""
     random = np.random.default_rng(seed)
     keep = np.exp(-step_s / tau_s)

@@ -7,8 +7,8 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.identification.logs.records import Record
 from gen.identification.parts.general import General, Option
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
@@ -52,7 +52,7 @@ def test_a_sensor_s_noise_is_the_least_density() -> None:
     assert noise.density == pytest.approx(0.3**2 * SAMPLE_S)
 
 
-def deviations(offset: bool, *quanta_K: float) -> NDArray[np.float64]:
+def deviations(offset: bool, *quanta_K: float) -> FloatArray:
     """Standard deviations of a time constant, two steady rises (and an offset), for records of these quanta."""
     size = 4 if offset else 3
     layout = SimpleNamespace(size=size, thetas=1, positive=(100, 200), offset=offset)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
-from gen.importing.table import FloatArray
 from tests.importing.logs import TRUE, take, taken, write
 
 BEGIN = 1772439300

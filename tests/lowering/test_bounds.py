@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.fixed import corrected_format, formats
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.lower import lower_component
@@ -24,8 +24,6 @@ from gen.lowering.recursion.dynamics import Dynamics, dynamics
 from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.reference.fixed import FixedStep
 from tests.examples import example
-
-Array = NDArray[np.float64]
 
 LENGTH = 24_000
 
@@ -68,7 +66,7 @@ def worst(played: Played) -> tuple[float, float]:
     z[:, 0] = np.repeat([0.0, *exact.start], len(levels) // 3)
     x = z.copy()
     x[:, 0] += played.start
-    before: NDArray[np.int64] | None = None
+    before: IntArray | None = None
     largest = of_copy = 0.0
     copies = np.linalg.inv(exact.state_maps())
     for sample in range(LENGTH):
@@ -87,10 +85,10 @@ def worst(played: Played) -> tuple[float, float]:
     return largest, of_copy
 
 
-def _q(c: Array, exact: Dynamics, x: Array, pwm: NDArray[np.int64]) -> Array:
+def _q(c: FloatArray, exact: Dynamics, x: FloatArray, pwm: IntArray) -> FloatArray:
     away = x.copy()
     away[:, 0] -= exact.steady[pwm]
-    found: Array = -np.einsum("lj,lj->l", c[pwm], away)
+    found: FloatArray = -np.einsum("lj,lj->l", c[pwm], away)
     return found
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import CARRY_FACTOR, Format, carry_error, dropped_error, steady_excess
 from gen.lowering.fixed.lower import lower_component
@@ -111,7 +111,7 @@ def test_no_word_on_the_way_to_q_leaves_its_range_whatever_the_pwm_does(name: st
     period = np.exp(random.uniform(0.0, np.log(length), lanes)).astype(int)
     starts = random.choice(component.start_range_mK, lanes)
     state = [np.array(words) for words in zip(*map(step.start, starts.tolist()), strict=True)]
-    rates: list[NDArray[np.int64]] = []
+    rates: list[IntArray] = []
     steady = np.zeros(0, dtype=np.int64)
     before = levels[0] - 1
     for sample in range(length):

@@ -12,8 +12,8 @@ from hypothesis import example as with_example
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray, SingleArray
 from gen.lowering import float32
 from gen.lowering.float32 import FloatComponent
 from gen.lowering.recursion import increments
@@ -26,8 +26,6 @@ from tests.model.examples import NAMES, model
 LIMIT_K = 1e-3
 SAMPLES = 43_200
 
-PWM = NDArray[np.int64]
-
 
 @cache
 def lowered(example: str) -> tuple[FloatComponent, ...]:
@@ -35,7 +33,7 @@ def lowered(example: str) -> tuple[FloatComponent, ...]:
     return tuple(float32.lower_component(thermal, c, LIMIT_K) for c in thermal.components)
 
 
-def rises(component: FloatComponent, rows: PWM, start_mK: PWM, every: int) -> NDArray[np.float64]:
+def rises(component: FloatComponent, rows: IntArray, start_mK: IntArray, every: int) -> FloatArray:
     """Rises in K after every ``every``-th sample of runs of row numbers, shape (lanes, samples // every)."""
     board = FloatLanes(component, start_mK.tolist())
     before, kept = None, []
@@ -47,7 +45,7 @@ def rises(component: FloatComponent, rows: PWM, start_mK: PWM, every: int) -> ND
     return np.array(kept).T
 
 
-def lanes(samples: int, seed: int) -> PWM:
+def lanes(samples: int, seed: int) -> IntArray:
     rng = np.random.default_rng(seed)
     block = samples // 18
     return np.stack(
@@ -126,7 +124,7 @@ def test_rows_far_off_lose_the_proof_and_get_room() -> None:
     arrays(np.float32, 4, elements=st.floats(-(2.0**30), 2.0**30, width=32)),
     st.integers(0, 40),
 )
-def test_an_addition_loses_less_than_the_lowest_bit(sums: PWM, values: NDArray[np.float32], shift: int) -> None:
+def test_an_addition_loses_less_than_the_lowest_bit(sums: IntArray, values: SingleArray, shift: int) -> None:
     found = accumulated(sums, values, shift)
     for before, value, after in zip(sums.tolist(), values.tolist(), found.tolist(), strict=True):
         exact = value * 2.0 ** (8 - shift)  # a power of two: exact in float64
@@ -136,7 +134,7 @@ def test_an_addition_loses_less_than_the_lowest_bit(sums: PWM, values: NDArray[n
 
 @given(arrays(np.float32, 30, elements=st.floats(2.0**-20, 2.0**-16, width=32, exclude_max=True)))
 @with_example(np.array([1e-5, 2e-5, 3.9999e-5], dtype=np.float32))
-def test_packing_loses_nothing_below_a_factor_of_4_and_one_bit_below_16(rates: NDArray[np.float32]) -> None:
+def test_packing_loses_nothing_below_a_factor_of_4_and_one_bit_below_16(rates: SingleArray) -> None:
     kept = float32.packed(rates)
     assert np.all(np.abs(kept.astype(np.float64) / rates - 1.0) <= 2.0**-23)
     assert np.array_equal(float32.packed(kept), kept)

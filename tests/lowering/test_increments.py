@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.lowering.recursion.series import delta_series, weight
@@ -21,7 +21,7 @@ POLES: dict[int, list[complex]] = {
 }
 
 
-def polynomial(order: int) -> NDArray[np.float64]:
+def polynomial(order: int) -> FloatArray:
     return np.asarray(np.real(np.poly(POLES[order])), dtype=np.float64)
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, load
 from gen.errors import CheckFailed, InputError
 from gen.lowering.kinds import Arithmetic
@@ -26,7 +26,6 @@ from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
 from tests.networks import Tree, loaded, network_tree
 
-Array = NDArray[np.float64]
 ARITHMETICS: tuple[Arithmetic, ...] = ("fixed", "float")
 CASES = [(3, 4, False), (4, 6, True), (5, 10, True), (6, 7, False), (8, 1, True)]
 
@@ -67,7 +66,7 @@ class Plant:
         self.states = self.solution.start({n: v / 1000.0 for n, v in first.items()}, self.told[0] / 1000.0)
         self.steps: dict[tuple[int, ...], Steps] = {}
 
-    def draw(self) -> NDArray[np.int64]:
+    def draw(self) -> IntArray:
         """Values of all channels, in thousandths: ends as often as what lies between."""
         drawn = []
         for channel in self.program.channels:
@@ -76,7 +75,7 @@ class Plant:
             drawn.append(np.where(self.random.random(self.lanes) < 0.5, end, inner))
         return np.array(drawn, dtype=np.int64)
 
-    def advance(self, pwm: NDArray[np.int64]) -> None:
+    def advance(self, pwm: IntArray) -> None:
         """One sample of both."""
         columns = {c.column: self.told[k] / 1000.0 for k, c in enumerate(self.program.channels)}
         others = {name: columns[name] for name in list(columns)[1:]}
@@ -87,7 +86,7 @@ class Plant:
         self.board.step(pwm)
 
     @property
-    def error(self) -> Array:
+    def error(self) -> FloatArray:
         """Of each component's reading, K, shape (components, lanes)."""
         shown = np.array(list(self.solution.shown(self.states, self.told[0] / 1000.0).values()))
         return np.asarray(np.abs(self.board.readings - shown))

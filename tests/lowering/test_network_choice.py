@@ -6,13 +6,11 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.network import choose
 from gen.lowering.network.choose import _cheapest, _Trial
 from gen.lowering.network.terms import Terms
-
-Array = NDArray[np.float64]
 
 
 def trial(cost: float, defect: float) -> _Trial:
@@ -23,7 +21,7 @@ def chosen(trials: list[_Trial], bounds: dict[float, float], monkeypatch: pytest
     """What is taken where 1 K is good enough and the best form, of a defect of 1, has a bound of 0.5 K; and proofs."""
     proofs = []
 
-    def bound(_: Terms, defect: Array) -> Array:
+    def bound(_: Terms, defect: FloatArray) -> FloatArray:
         proofs.append(float(defect.max()))
         return np.array([bounds[proofs[-1]]])
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.errors import CheckFailed
 from gen.lowering.network.factors import WORD_BITS, lower_factor, scaled
 from gen.lowering.network.series import CHOICES, FIRST, WHOLE, Product
@@ -21,7 +21,7 @@ PRODUCTS = sorted(
 )
 
 
-def one(value: int) -> NDArray[np.int64]:
+def one(value: int) -> IntArray:
     return np.array([value], dtype=np.int64)
 
 

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.lower import with_rows
 from gen.lowering.lower import lower
 from gen.lowering.recursion.dynamics import dynamics
 from tests.examples import example
 
-Integers = NDArray[np.int64]
-
 FLASH_GOAL = 10_240
 LIMIT_K = 1e-5
 
 
-def _bits_needed(column: Integers, bound_K: Callable[[Integers], float]) -> int:
+def _bits_needed(column: IntArray, bound_K: Callable[[IntArray], float]) -> int:
     """Bits of the shortest whole numbers that, times a power of two, keep the component within the limit."""
     shift = 0
     while bound_K((column + (1 << shift) >> shift + 1) << shift + 1) <= LIMIT_K:
@@ -34,11 +32,11 @@ def _component_bits(index: int) -> tuple[list[int], list[int]]:
     assert isinstance(lowered, FixedComponent)
     exact = dynamics(model, model.components[index], lowered.substeps)
 
-    def bound_K(rates: Integers, steady: Integers) -> float:
+    def bound_K(rates: IntArray, steady: IntArray) -> float:
         proof = with_rows(lowered, exact, rates, steady).proof
         return proof.bound_K if proof else float("inf")
 
-    def with_rate(place: int, column: Integers) -> float:
+    def with_rate(place: int, column: IntArray) -> float:
         rates = lowered.rates.copy()
         rates[:, place] = np.minimum(column, 2**32 - 1)
         return bound_K(rates, lowered.steady)

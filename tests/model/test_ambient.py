@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.coefficients import parse
 from gen.model import Component, ThermalModel
 from gen.model.exact import ExactSolution
-from gen.model.schedules import FloatArray
 from tests.model.examples import EXAMPLES, model
 
 TIMES = np.array([0.0, 40.0, 41.0, 300.0, 700.0, 1500.0, 1500.25, 4000.0])

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, parse
 from gen.coefficients.schema import json_schema
 from gen.coefficients.versions import VERSION
@@ -21,7 +21,6 @@ from gen.model.extended import ExtendedSolution
 from tests.model.examples import model
 from tests.refinement.plant import COEFFICIENTS
 
-Array = NDArray[np.float64]
 END = 5400
 TIME = np.arange(0.0, END + 1.0)
 PWM = np.where(TIME < 1800, 204, np.where(TIME < 3000, -128, 0)).astype(np.int64)
@@ -37,7 +36,7 @@ def _with(*effects: dict[str, Any]) -> Coefficients:
     return parse(json.dumps({**document, "effects": list(effects)}).encode())
 
 
-def _solve(*effects: dict[str, Any], pwm: NDArray[np.int64] = PWM, start: dict[str, float] = START) -> dict[str, Array]:
+def _solve(*effects: dict[str, Any], pwm: IntArray = PWM, start: dict[str, float] = START) -> dict[str, FloatArray]:
     made = _with(*effects)
     channels = {"current_A": CURRENT, "voltage_V": VOLTAGE, "fan": FAN}
     ambient = ROOM if made.model.ambient_channel else np.full(TIME.size, 30.0)
@@ -88,7 +87,7 @@ HEATS: dict[str, tuple[dict[str, Any], Callable[..., tuple[float, float]], float
 }
 
 
-def _integrated(extra: Callable[..., tuple[float, float]], inner: float, name: str = "casing") -> Array:
+def _integrated(extra: Callable[..., tuple[float, float]], inner: float, name: str = "casing") -> FloatArray:
     """Runge-Kutta of order 4 with 1 s on the component's own differential equation."""
     model = parse(COEFFICIENTS.read_bytes()).model
     x = np.arange(256)
@@ -96,7 +95,7 @@ def _integrated(extra: Callable[..., tuple[float, float]], inner: float, name: s
     a, b = own.denominator(x)[:, 1], own.effective_gain(x)
     c, d = other.denominator(x)[:, 1], other.effective_gain(x)
 
-    def slope(y: Array, k: int) -> Array:
+    def slope(y: FloatArray, k: int) -> FloatArray:
         p = abs(int(PWM[k]))
         q, dz = extra(y[0], y[1], k, a[p], b[p] * p, y[2])
         return np.array([b[p] * p - a[p] * y[0] + q, d[p] * p - c[p] * y[1], dz])
@@ -206,7 +205,7 @@ def test_an_ambient_that_is_warm_at_the_start_already_shifts_nothing() -> None:
     ],
 )
 def test_sensor_effects(
-    name: str, parameters: dict[str, Any], reading: Callable[[Array, Array], Array], true_start: float
+    name: str, parameters: dict[str, Any], reading: Callable[[FloatArray, FloatArray], FloatArray], true_start: float
 ) -> None:
     shown = _solve({"name": name, "component": "casing", "parameters": parameters})["casing"]
     assert shown[0] == pytest.approx(38.0, abs=1e-9), "a run starts from what the sensor shows"

@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray
 from gen.coefficients import parse
 from gen.errors import InputError
 from gen.model.laws import Convection, Radiation
 from gen.model.network_solution import NetworkSolution
 from tests.examples import ROOT
 
-Array = NDArray[np.float64]
 Tree = dict[str, Any]
 EXAMPLE = ROOT / "examples" / "natural_cooling" / "coeffs.json"
 
@@ -51,7 +50,7 @@ def change(tree: Tree, pwm: int, room: float) -> Any:  # noqa: ANN401
         law = entry["power"]
         return float(law["constant"] + law["forced"] * (pwm / tree["input"]["full_scale"]) ** law["exponent"])
 
-    def rate(_: float, state: Array) -> list[float]:
+    def rate(_: float, state: FloatArray) -> list[float]:
         t = dict(zip([*names, "ambient"], [*state, room], strict=True))
         flow = dict.fromkeys(t, 0.0)
         for path in network["paths"]:

@@ -8,8 +8,8 @@ import pytest
 import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.model import Component, ExactSolution, ThermalModel
 from tests.model.examples import NAMES, model
 from tests.model.published import PWM, STEADY_ERROR, TRANSFER_FUNCTIONS, TRANSIENT_ERROR
@@ -165,7 +165,7 @@ def test_work_grows_with_the_samples_alone(monkeypatch: pytest.MonkeyPatch) -> N
     """A few lines a sample and component, and one matrix exponential for each PWM, which the next run finds made."""
     exponentials = []
 
-    def counted(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    def counted(matrices: FloatArray) -> FloatArray:
         exponentials.append(len(matrices))
         return np.asarray(expm(matrices))
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import parse
 from gen.model import ThermalModel
 from gen.model import network_solution as module
@@ -23,7 +23,6 @@ from gen.model.network_solution import NetworkSolution
 from gen.model.schedules import Polynomial
 from tests.examples import ROOT
 
-Array = NDArray[np.float64]
 Tree = dict[str, Any]
 FILES = {
     "two_nodes": ROOT / "examples" / "two_nodes" / "coeffs.json",
@@ -81,7 +80,7 @@ def factor(tree: Tree, entries: list[Tree], told: dict[str, float]) -> float:
     return product
 
 
-def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callable[[float, Array], Array]:
+def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callable[[float, FloatArray], FloatArray]:
     """dT/dt of the nodes, and of what the sensors show without their offsets."""
     network = tree["network"]
     nodes = network["nodes"]
@@ -91,7 +90,7 @@ def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callabl
     g = [curve(tree, w["conductance_W_per_K"], pwm) * factor(tree, w.get("factors", []), told) for w in paths]
     p = [curve(tree, h["power_W"], pwm) * factor(tree, h.get("factors", []), told) for h in heats]
 
-    def rate(_: float, state: Array) -> Array:
+    def rate(_: float, state: FloatArray) -> FloatArray:
         t = dict(zip([*names, "ambient"], [*state[: len(names)], room], strict=True))
         flow = dict.fromkeys([*names, "ambient"], 0.0)
         for path, conductance in zip(paths, g, strict=True):
@@ -111,7 +110,7 @@ def change(tree: Tree, pwm: int, room: float, told: dict[str, float]) -> Callabl
     return rate
 
 
-def reading(node: Tree, temperature: Array, room: Array, elapsed_s: Array) -> Array:
+def reading(node: Tree, temperature: FloatArray, room: FloatArray, elapsed_s: FloatArray) -> FloatArray:
     """What a node's sensor shows of a temperature behind its lag, so long after the start."""
     sensor = node["sensor"]
     base = room if sensor.get("gain_about", "ambient") == "ambient" else 0.0
@@ -121,8 +120,13 @@ def reading(node: Tree, temperature: Array, room: Array, elapsed_s: Array) -> Ar
 
 
 def integrated(
-    tree: Tree, time: Array, pwm: NDArray[np.int64], room: Array, told: dict[str, Array], nodes: dict[str, float]
-) -> dict[str, Array]:
+    tree: Tree,
+    time: FloatArray,
+    pwm: IntArray,
+    room: FloatArray,
+    told: dict[str, FloatArray],
+    nodes: dict[str, float],
+) -> dict[str, FloatArray]:
     """Readings from nodes that start at these temperatures, their sensors in balance."""
     entries = tree["network"]["nodes"]
     sensed = [node for node in entries if node.get("sensor") is not None]
@@ -143,7 +147,7 @@ def integrated(
     return readings
 
 
-def a_run(name: str, rows: int, seed: int = 0) -> tuple[Array, NDArray[np.int64], Array, dict[str, Array]]:
+def a_run(name: str, rows: int, seed: int = 0) -> tuple[FloatArray, IntArray, FloatArray, dict[str, FloatArray]]:
     """Irregular times, a room and channels that move at every row and leave their ranges; both directions."""
     random = np.random.default_rng(seed)
     time = 5.0 + np.concatenate([[0.0], np.cumsum(random.uniform(0.3, 400.0, rows - 1))])
@@ -177,7 +181,7 @@ def test_long_runs_of_which_every_row_differs_are_solved_in_parts_and_come_to_th
     asked: list[int] = []
     steps = NetworkSolution.steps
 
-    def counted(self: NetworkSolution, pwm: NDArray[np.int64], *rest: Any) -> module.Steps:  # noqa: ANN401
+    def counted(self: NetworkSolution, pwm: IntArray, *rest: Any) -> module.Steps:  # noqa: ANN401
         asked.append(len(pwm))
         return steps(self, pwm, *rest)
 

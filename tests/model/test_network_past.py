@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gen.arrays import FloatArray
 from gen.model.network import Network
 from gen.model.network_parts import Curve, Heat, Node, Path, Sensor
 from gen.model.network_past import Dynamics, network_start_weights, start_weights
 from gen.model.network_solution import NetworkSolution
-from gen.model.schedules import FloatArray, Polynomial
+from gen.model.schedules import Polynomial
 from tests.model.test_network import constant, made
 
 SENSED, HEAVY, LIGHT = 300.0, 6000.0, 20.0

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import least_squares
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import InputError
 from gen.identification.network.fitting.inputs import START_K
 from gen.identification.network.fitting.problem import Problem
@@ -20,7 +20,6 @@ from gen.planning.search import BINS
 from tests.planning.open_question import AMBIENT, AT_REST, DENSITY, changed, question, searched, short_run
 from tests.refinement.network.motor import read, tree
 
-FloatArray = NDArray[np.float64]
 ROW_S = 30.0
 WISHES = Wishes(hours=2.0)
 
@@ -31,7 +30,7 @@ two heats, and the way out at rest over that while turning."""
 AS_CHANGED = np.array([0.0] * 6 + [np.log(AT_REST)])
 
 
-def read_at(numbers: FloatArray, time: FloatArray, pwm: NDArray[np.int64]) -> FloatArray:
+def read_at(numbers: FloatArray, time: FloatArray, pwm: IntArray) -> FloatArray:
     """Exact readings of the small motor, its equations written anew, shape (2 N,).
 
     Parameters
@@ -59,7 +58,7 @@ def read_at(numbers: FloatArray, time: FloatArray, pwm: NDArray[np.int64]) -> Fl
     return np.asarray(made).T.ravel()
 
 
-def evidence(*pwm: NDArray[np.int64]) -> float:
+def evidence(*pwm: IntArray) -> float:
     """Least weighed squares with which the file without the effect takes the short run of the motor, and another."""
     asked = [(short_run().time_s[::10], short_run().pwm[::10])]
     asked += [(ROW_S * np.arange(one.size, dtype=np.float64), one) for one in pwm]
@@ -79,7 +78,7 @@ def test_the_oracle_s_motor_is_the_file_s() -> None:
     assert read_at(AS_CHANGED, run.time_s, run.pwm) == pytest.approx(np.concatenate(list(exact.values())), abs=1e-6)
 
 
-def held(blocks: NDArray[np.int64], block_s: float) -> NDArray[np.int64]:
+def held(blocks: IntArray, block_s: float) -> IntArray:
     """Blocks at the oracle's rows."""
     return np.repeat(blocks, round(block_s / ROW_S))
 

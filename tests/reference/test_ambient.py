@@ -8,9 +8,9 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, parse
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.lower import lower
@@ -20,8 +20,6 @@ from gen.reference.simulate import simulate_run
 from gen.runs import Run
 from tests.examples import ROOT, example
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 ROOM_MC = 24_100
 
 
@@ -42,7 +40,7 @@ def test_it_passes_the_dynamics_where_the_file_says_nothing() -> None:
     assert example("my1016").model.ambient_passes
 
 
-def solved(thermal: Program, pwm: Integers, told_mC: Integers, start_mK: int) -> Array:
+def solved(thermal: Program, pwm: IntArray, told_mC: IntArray, start_mK: int) -> FloatArray:
     """T of every component, degC, shape (components, L), sample by sample from the poles of the file."""
     found = []
     for component in thermal.model.components:

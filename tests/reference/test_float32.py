@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, RecordArray
 from gen.avr.compile import build_elf
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.coefficients import parse
@@ -63,7 +63,7 @@ int main() {
 """
 
 
-def additions(count: int) -> NDArray[np.void]:
+def additions(count: int) -> RecordArray:
     """Sums and values over all byte positions and both signs, with zeros, powers of two and long runs of ones."""
     rng = np.random.default_rng(5)
     records = np.zeros(count, INPUT)
@@ -89,8 +89,8 @@ def sources(folder: Path) -> list[Path]:
     return [folder / "harness.cpp", folder / "m_accumulator.cpp"]
 
 
-def sums(records: NDArray[np.void]) -> NDArray[np.int64]:
-    result: NDArray[np.int64] = records["hi"].astype(np.int64) * 256 + records["lo"]
+def sums(records: RecordArray) -> IntArray:
+    result: IntArray = records["hi"].astype(np.int64) * 256 + records["lo"]
     return result
 
 

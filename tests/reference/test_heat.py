@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.heat import BINS, HeatTerm, LoweredHeat, PER_mK
 from gen.reference.heat import ReferenceHeat, fields, truncated
 from gen.reference.heat_blocks import blocks_of, sums_after
 
-Integers = NDArray[np.int64]
 BLOCK, STEP_S, TAU_S = 80, 0.25, 1800.0
 BLOCK_S = BLOCK * STEP_S
 LOST = round(2**16 * -np.expm1(-BLOCK_S / TAU_S))
@@ -40,20 +39,18 @@ def rule(**other: object) -> LoweredHeat:
     return replace(plain, **other)  # type: ignore[arg-type]
 
 
-def warmed(heat_K_s: float, begins_s: float, lasts_s: float) -> Integers:
+def warmed(heat_K_s: float, begins_s: float, lasts_s: float) -> IntArray:
     """What a body of first order is above its model, exactly, in thousandths of a kelvin."""
     time = np.arange(1, round(lasts_s / STEP_S) + 1) * STEP_S
     since = np.maximum(time - begins_s, 0.0)
-    risen: Integers = np.rint(1000.0 * heat_K_s * TAU_S * -np.expm1(-since / TAU_S)).astype(np.int64)
+    risen: IntArray = np.rint(1000.0 * heat_K_s * TAU_S * -np.expm1(-since / TAU_S)).astype(np.int64)
     return risen
 
 
-def sums(
-    made: LoweredHeat, deviation: Integers, pwm: Integers | None = None, *, trusted: bool = True
-) -> NDArray[np.float64]:
+def sums(made: LoweredHeat, deviation: IntArray, pwm: IntArray | None = None, *, trusted: bool = True) -> FloatArray:
     level = np.full(deviation.size, 100) if pwm is None else pwm
     record = blocks_of(BLOCK, [0], level, deviation[None], np.ones(deviation.size, dtype=np.int64))
-    found: NDArray[np.float64] = sums_after([made], [record], np.array([trusted]))[0, 0] / K
+    found: FloatArray = sums_after([made], [record], np.array([trusted]))[0, 0] / K
     return found
 
 

@@ -6,18 +6,17 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
 from gen.runs.gaps import held_over_gaps
 from tests.examples import example
 
-Array = NDArray[np.float64]
 NAN = float("nan")
 
 
-def run(time_s: Array, pwm: NDArray[np.int64], ambient: Array | None = None, **temps: Array) -> Run:
+def run(time_s: FloatArray, pwm: IntArray, ambient: FloatArray | None = None, **temps: FloatArray) -> Run:
     return Run(time_s, pwm, dict(temps), ambient)
 
 

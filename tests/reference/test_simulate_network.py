@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients import load
 from gen.errors import InputError
 from gen.lowering.kinds import Arithmetic
@@ -17,7 +17,6 @@ from gen.reference.simulate import simulate_run
 from gen.runs import Run
 from tests.examples import ROOT, example
 
-Array = NDArray[np.float64]
 NAN = float("nan")
 TIME = np.array([10.0, 10.25, 40.0, 400.0, 3000.0, 3000.5])
 PWM = np.array([255, 255, -128, 0, 60, 60])
@@ -25,7 +24,7 @@ ROOM = np.array([20.0, 20.5, 24.0, 23.0, 22.0, 22.0])
 FAN = np.array([0.0, 30.0, 100.0, 100.0, 10.0, 0.0])
 
 
-def run(ambient: Array | None = None, extras: dict[str, Array] | None = None, **temps: Array) -> Run:
+def run(ambient: FloatArray | None = None, extras: dict[str, FloatArray] | None = None, **temps: FloatArray) -> Run:
     return Run(TIME, PWM, dict(temps), ambient, extras or {})
 
 

@@ -9,8 +9,8 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients import parse
 from gen.model.effects import Applied, Free, Variant, registry
 from gen.refinement.admission import admitted
@@ -23,8 +23,6 @@ from gen.refinement.parts.refine import judge_verdict
 from gen.refinement.parts.simulation_fit import HypothesisFit, Term
 from gen.refinement.parts.stacked_runs import StackedRuns
 from tests.examples import ROOT, example
-
-Array = NDArray[np.float64]
 
 BINS, RUNS, BLOCKS = 60, 6, 6
 EFFECT = registry()["direction"]
@@ -46,7 +44,11 @@ def problem(noise_K: float = 1.0) -> StackedRuns:
 
 
 def fitted(
-    left_out: Array, *free: Free, value: float = 1.0, spread: float = 0.05, folds: tuple[float, ...] = (1.0,) * RUNS
+    left_out: FloatArray,
+    *free: Free,
+    value: float = 1.0,
+    spread: float = 0.05,
+    folds: tuple[float, ...] = (1.0,) * RUNS,
 ) -> HypothesisFit:
     """A fit that leaves this on the runs that it did not see, shape (BINS, RUNS)."""
     chosen = free or (GAIN,)
@@ -63,7 +65,7 @@ def fitted(
     )
 
 
-def residual(seed: int, rms_K: float = 3.0) -> Array:
+def residual(seed: int, rms_K: float = 3.0) -> FloatArray:
     """Blocks of one size each, as slow errors are."""
     sizes = rms_K * np.random.default_rng(seed).uniform(0.8, 1.2, (BLOCKS, RUNS))
     return np.repeat(sizes, BINS // BLOCKS, axis=0)

@@ -8,8 +8,8 @@ from typing import cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.model.effects import Free, Variant, registry
 from gen.refinement.parts.candidates import Candidate, Found, Tracing
 from gen.refinement.parts.effect_entries import effect_entries
@@ -19,12 +19,11 @@ from gen.refinement.parts.stacked_runs import StackedRuns
 from gen.refinement.parts.steps.couple import _rise
 from gen.refinement.parts.trace_state import ComponentState
 
-Array = NDArray[np.float64]
 DIRECTION = registry()["direction"]
 GAIN = Free("reverse_heating", 0.1, -5.0, 5.0)
 
 
-def fitted(left_out: Array) -> HypothesisFit:
+def fitted(left_out: FloatArray) -> HypothesisFit:
     """A fit of one run that leaves these errors where it did not look, shape (bins,)."""
     error = left_out[:, None, None]
     return HypothesisFit(

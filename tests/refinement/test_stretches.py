@@ -7,8 +7,8 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray
 from gen.model.effects import Setting
 from gen.refinement.parts import judged_on_stretches
 from gen.refinement.parts.judged_on_stretches import STRETCHES, by_stretch
@@ -20,8 +20,8 @@ from gen.refinement.parts.stacked_runs import StackedRuns
 class Runs:
     """What is changed of stacked runs."""
 
-    blocks: NDArray[np.int64]
-    left_out: NDArray[np.bool_]
+    blocks: IntArray
+    left_out: BoolArray
     tolerance_K: float
 
 

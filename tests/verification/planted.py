@@ -8,9 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import RecordArray
 from gen.coefficients import Coefficients, parse
 from gen.firmware import render
 from gen.firmware.context import LibraryContext, project_context
@@ -21,17 +19,15 @@ from gen.verification.compare import Mismatch, first_mismatch
 from gen.verification.harness import Harness, HostHarness
 from gen.verification.runners import Library, write_library
 
-Records = NDArray[np.void]
-
 
 class Campaign(Protocol):
     """Inputs of any harness, and what its reference answers."""
 
     @property
-    def inputs(self) -> Records: ...
+    def inputs(self) -> RecordArray: ...
 
     @property
-    def expected(self) -> Records: ...
+    def expected(self) -> RecordArray: ...
 
 
 @dataclass(frozen=True, eq=False)

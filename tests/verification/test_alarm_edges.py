@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.coefficients import parse
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -99,7 +99,7 @@ def test_a_reset_begins_the_sum_anew_and_touches_nothing_beyond_the_rules(bench:
 def test_a_pwm_that_fits_no_byte_is_in_no_range_but_the_last(bench: Bench) -> None:
     inside = [26, 102, -26, -102]
     outside = [25, 103, 255, 256, 300, -300, 256 + 44, -(256 + 44), 32767, -32767, -32768]
-    pwm: NDArray[np.int64] = np.array([*inside, *outside])
+    pwm: IntArray = np.array([*inside, *outside])
     active, asleep = bench.active(pwm.tolist(), [6000] * pwm.size)
     assert [bool(mask & RANGE) for mask in active] == [True] * len(inside) + [False] * len(outside)
     assert [bool(mask & RANGE) for mask in asleep] == [False] * len(inside) + [True] * len(outside)

@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks.rivals.code.ours import told
 from benchmarks.rivals.host.process import ROOT, taken
+from gen.arrays import IntArray
 from gen.coefficients import load
 from gen.firmware import render
 from gen.firmware.context import project_context
@@ -18,7 +19,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.model import ExactSolution
 from gen.reference.board import reference_of
-from gen.verification.profiles import Integers, Profile
+from gen.verification.profiles import Profile
 from gen.verification.runners import HostRunner, write_library
 
 MY1016 = ROOT / "examples" / "my1016" / "coeffs.json"
@@ -57,7 +58,7 @@ def rates(length: int) -> list[Rate]:
     return [Rate(title, seconds / unit) for title, seconds in found.items()]
 
 
-def _library(program: Program, pwm: Integers) -> float:
+def _library(program: Program, pwm: IntArray) -> float:
     """Processor time of a sample of the compiled library, s."""
     coefficients = load(MY1016)
     context = project_context(coefficients, program, coefficients.name)
@@ -67,7 +68,7 @@ def _library(program: Program, pwm: Integers) -> float:
         return taken(lambda: runner.run(profile)) / profile.samples
 
 
-def _reference(program: Program, pwm: Integers) -> float:
+def _reference(program: Program, pwm: IntArray) -> float:
     """Processor time of a sample of the reference, s."""
     model = reference_of(program, [0] * len(pwm))
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.certificate.exact import Floats
+from gen.arrays import FloatArray
 from gen.certificate.network.forms import Form, Space
 from gen.certificate.refuted import Refuted
 
@@ -67,7 +67,7 @@ class Arithmetic:
     def __init__(self, space: Space) -> None:
         self._space = space
 
-    def known(self, value: float | Floats, kind: str = "int32_t") -> Number:
+    def known(self, value: float | FloatArray, kind: str = "int32_t") -> Number:
         """A number that is known."""
         return Number(kind, self._space.number(value))
 
@@ -192,7 +192,11 @@ class Arithmetic:
         raise Refuted("a count, a place or a shift that is no constant")
 
 
-_OPERATIONS: dict[str, Callable[[Floats, Floats], Floats]] = {"+": np.add, "-": np.subtract, "*": np.multiply}
+_OPERATIONS: dict[str, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+}
 
 
 def _promoted(value: Number) -> str:
@@ -213,7 +217,7 @@ def _common(left: Number, right: Number) -> str:
     return "int16_t"
 
 
-def _half_ulp(largest: Floats) -> Floats:
+def _half_ulp(largest: FloatArray) -> FloatArray:
     """Half the distance of float32 numbers of at most this magnitude."""
-    found: Floats = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
+    found: FloatArray = np.maximum(np.ldexp(1.0, np.frexp(largest)[1] - 25), 2.0**-150)
     return np.asarray(np.where(largest == 0.0, 0.0, found), dtype=np.float64)

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from pycparser import c_ast
 
-from gen.certificate.exact import ROUGHLY, Floats, Ratio
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY, Ratio
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.evaluated import SLOPE_BITS, evaluated
@@ -236,7 +237,7 @@ class NetworkProof:
         form: Form = word.form
         return form.times(2.0 ** -(self._certificate.fraction_bits + self._low_bits))
 
-    def defects(self) -> Floats:
+    def defects(self) -> FloatArray:
         """What a sample adds to each state's error, shape (P, n)."""
         model = Model(self._words())
         machine = Machine(self._sample, self._tables, self._space, model, self._of_channel, self._of_law)

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY
 from gen.certificate.network.document import NetworkCertificate
 from gen.certificate.network.forms import Form, Space
 from gen.certificate.network.laws import Law, laws
@@ -53,7 +54,7 @@ class Flow:
 
     target: int
     source: Source
-    per_sample: Floats
+    per_sample: FloatArray
     factors: tuple[int, ...]
     law: Law | None = None
     place: int = -1
@@ -62,7 +63,7 @@ class Flow:
         """What multiplies it in M, where there are so many factors."""
         return self.factors if self.law is None else (*self.factors, factors + self.place)
 
-    def driving(self, law: Law, at: Floats, ambient: float) -> tuple[float, float]:
+    def driving(self, law: Law, at: FloatArray, ambient: float) -> tuple[float, float]:
         """What its law makes of temperatures in degC, K, and a magnitude that its error is a share of."""
         there = float(at[self.source]) if isinstance(self.source, int) else ambient
         return law.driving(there, float(at[self.target]))
@@ -184,11 +185,11 @@ class Bent:
         A bound of each law's slope's own slope, 1/K.
     """
 
-    speeds: Floats
+    speeds: FloatArray
     steepest: Sequence[float]
 
 
-def bending(bent: Bent, firsts: Sequence[Form], rates: Sequence[Form], own: Sequence[Flow]) -> list[Floats]:
+def bending(bent: Bent, firsts: Sequence[Form], rates: Sequence[Form], own: Sequence[Flow]) -> list[FloatArray]:
     """What a sample differs by from the series, by state, K: heat that bends between its beginning and its end.
 
     After a share s of the sample both ends of a path have moved by s times their speeds at most, and its heat by no

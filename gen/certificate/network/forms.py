@@ -13,7 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY
 from gen.certificate.refuted import Refuted
 
 #: A sum of k terms or products is right to (k + 1) 2^-53 of their magnitudes: this for each of them.
@@ -35,13 +36,13 @@ class Form:
         How far it may lie from that, shape (P,).
     """
 
-    terms: Mapping[Powers, Floats]
-    radius: Floats
+    terms: Mapping[Powers, FloatArray]
+    radius: FloatArray
 
     @cached_property
-    def magnitude(self) -> Floats:
+    def magnitude(self) -> FloatArray:
         """A bound of the sum of its terms' magnitudes, without the radius, shape (P,)."""
-        total: Floats = sum((np.abs(c).sum(axis=0) for c in self.terms.values()), np.zeros_like(self.radius))
+        total: FloatArray = sum((np.abs(c).sum(axis=0) for c in self.terms.values()), np.zeros_like(self.radius))
         return total * (1.0 + ROUGHLY)
 
     @cached_property
@@ -55,23 +56,25 @@ class Form:
         return not self.radius.any() and self.scalar and all(not any(powers) for powers in self.terms)
 
     @property
-    def constant(self) -> Floats:
+    def constant(self) -> FloatArray:
         """Its middle, shape (P,)."""
-        found: Floats = next((c[0] for powers, c in self.terms.items() if not any(powers)), np.zeros_like(self.radius))
+        found: FloatArray = next(
+            (c[0] for powers, c in self.terms.items() if not any(powers)), np.zeros_like(self.radius)
+        )
         return found
 
     @cached_property
-    def ends(self) -> tuple[Floats, Floats]:
+    def ends(self) -> tuple[FloatArray, FloatArray]:
         """The least and the largest that it can be, shape (P,) each, rounded outward."""
         middle = self.constant
         half = (self.magnitude - np.abs(middle)) + self.radius + ROUGHLY * (self.magnitude + self.radius)
         return (middle, middle) if self.known else (middle - half, middle + half)
 
     @property
-    def largest(self) -> Floats:
+    def largest(self) -> FloatArray:
         """A bound of its magnitude, shape (P,)."""
         low, high = self.ends
-        found: Floats = np.maximum(np.abs(low), np.abs(high))
+        found: FloatArray = np.maximum(np.abs(low), np.abs(high))
         return found
 
     def __add__(self, other: Form) -> Form:
@@ -84,7 +87,7 @@ class Form:
     def __sub__(self, other: Form) -> Form:
         return self + other.times(-1.0)
 
-    def times(self, factor: float | Floats) -> Form:
+    def times(self, factor: float | FloatArray) -> Form:
         """The product with a number, the same or one for each |PWM|."""
         terms = {powers: coefficients * factor for powers, coefficients in self.terms.items()}
         if np.all(np.frexp(np.abs(factor))[0] == 0.5):  # a power of two: nothing is rounded
@@ -102,7 +105,7 @@ class Form:
         one, many = (self, other) if self.scalar else (other, self)
         if not one.scalar:
             raise Refuted("a product of two temperatures")
-        terms: dict[Powers, Floats] = {}
+        terms: dict[Powers, FloatArray] = {}
         for powers, factor in one.terms.items():
             for others, coefficients in many.terms.items():
                 key = tuple(a + b for a, b in zip(powers, others, strict=True))
@@ -112,7 +115,7 @@ class Form:
         radius = one.magnitude * many.radius + one.radius * many.magnitude + one.radius * many.radius
         return Form(terms, (radius + rounded) * (1.0 + ROUGHLY))
 
-    def within(self, radius: float | Floats) -> Form:
+    def within(self, radius: float | FloatArray) -> Form:
         """The number give or take something."""
         return Form(self.terms, (self.radius + radius) * (1.0 + ROUGHLY))
 
@@ -146,7 +149,7 @@ class Space:
         self._temperatures, self._factors, self.rows = temperatures, factors, rows
         self._none: Powers = (0,) * len(factors)
 
-    def number(self, value: float | Floats, radius: float | Floats = 0.0) -> Form:
+    def number(self, value: float | FloatArray, radius: float | FloatArray = 0.0) -> Form:
         """A number, the same or one for each |PWM|."""
         coefficients = np.zeros((len(self._temperatures) + 1, self.rows))
         coefficients[0] = value

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.certificate.exact import Floats
+from gen.arrays import FloatArray
 from gen.certificate.network.arithmetic import Arithmetic, Number
 from gen.certificate.network.forms import Space
 from gen.certificate.network.memory import Cell, Pointer
@@ -84,7 +84,7 @@ class KnownTexts:
         if not 0 <= columns < 4:
             raise Refuted(f"a product without {columns} columns")
         bytes_of = [np.floor(a.form.constant / 2.0 ** (8 * j)) % 256.0 if a.form.known else 255.0 for j in range(4)]
-        most: float | Floats = 0.0
+        most: float | FloatArray = 0.0
         for i in range(4):
             for j in range(4):
                 if i + j < columns:

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.certificate.exact import ROUGHLY, Floats
+from gen.arrays import FloatArray
+from gen.certificate.exact import ROUGHLY
 from gen.certificate.network.document import NetworkCertificate, Path
 from gen.certificate.network.forms import Form, Space
 
@@ -127,7 +128,7 @@ def enclosed(polynomial: Sequence[float], widest: float) -> Ends:
     steepest = np.abs(np.polyval(np.asarray(steep), middles)) + half * float(
         np.polyval(np.abs(_derivative(steep)), widest)
     )
-    size: Floats = np.asarray(np.polyval(np.abs(polynomial), middles + half))
+    size: FloatArray = np.asarray(np.polyval(np.abs(polynomial), middles + half))
     moved = steepest * half * (1.0 + ROUGHLY) + size * ROUGHLY
     return float((values - moved).min()), float((values + moved).max())
 

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from gen.certificate.exact import Floats
+from gen.arrays import FloatArray
 from gen.certificate.network.flow import WRONG, Flow
 from gen.certificate.network.laws import Law
 from gen.certificate.refuted import Refuted
@@ -34,12 +34,12 @@ class Row:
         Shape (P,).
     """
 
-    entries: Floats
-    sizes: Floats
-    rest: Floats
-    size_of_rest: Floats
+    entries: FloatArray
+    sizes: FloatArray
+    rest: FloatArray
+    size_of_rest: FloatArray
 
-    def add(self, flow: Flow, rate: Floats, ambient: float) -> None:
+    def add(self, flow: Flow, rate: FloatArray, ambient: float) -> None:
         """Take up a flow."""
         if flow.source is None:
             self._fixed(rate)
@@ -52,12 +52,12 @@ class Row:
         else:
             self._fixed(rate * (ambient if isinstance(flow.source, str) else flow.source))
 
-    def drive(self, rate: Floats, value: float, size: float) -> None:
+    def drive(self, rate: FloatArray, value: float, size: float) -> None:
         """Take up what a law makes of temperatures that are known."""
         self.rest[:] += rate * value
         self.size_of_rest[:] += np.abs(rate) * size
 
-    def _fixed(self, warmth: Floats) -> None:
+    def _fixed(self, warmth: FloatArray) -> None:
         self.rest[:] += warmth
         self.size_of_rest[:] += np.abs(warmth)
 
@@ -111,7 +111,9 @@ class Rows:
     def _multiplied(self, flow: Flow, *, slopes: bool) -> tuple[int, ...]:
         return flow.later(len(self._factors) - self._laws) if slopes else flow.factors
 
-    def speeds(self, box: Floats, ambient: tuple[float, float], driving: Sequence[tuple[float, float]]) -> Floats:
+    def speeds(
+        self, box: FloatArray, ambient: tuple[float, float], driving: Sequence[tuple[float, float]]
+    ) -> FloatArray:
         """How much each state changes in a sample at most, K, shape (P, n).
 
         Parameters
@@ -139,7 +141,7 @@ class Rows:
                     found[:, target] = np.maximum(found[:, target], ends + sign * row.rest + WRONG * sizes)
         return found
 
-    def bounds(self, ends: Floats, ambient: float, *, upper: bool) -> int:
+    def bounds(self, ends: FloatArray, ambient: float, *, upper: bool) -> int:
         """Decide h M U + h (a T_ambient + f) <= 0 at every row, or >= 0 for a lower bound; how many inequalities.
 
         Raises
@@ -156,7 +158,7 @@ class Rows:
                     raise Refuted(f"state {target} can leave its range {'above' if upper else 'below'}{_where(most)}")
         return count
 
-    def holds(self, error: Floats, defect: Floats) -> int:
+    def holds(self, error: FloatArray, defect: FloatArray) -> int:
         """Decide -h M u exp(-h |M_ii|) >= d at every row, d of shape (P, n); how many inequalities.
 
         Raises
@@ -178,5 +180,5 @@ class Rows:
         return count
 
 
-def _where(wrong: Floats) -> str:
+def _where(wrong: FloatArray) -> str:
     return f": by {float(wrong.max()):.4g} K a sample, row {int(np.argmax(wrong))} of the domain"

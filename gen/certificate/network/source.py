@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from pycparser import c_ast, c_parser
 
-from gen.certificate.exact import Floats
+from gen.arrays import FloatArray
 from gen.certificate.network.single import single
 from gen.certificate.refuted import Refuted
 from gen.certificate.source import Project, spaced
@@ -60,7 +60,7 @@ class Table:
     """
 
     kind: str
-    values: Floats
+    values: FloatArray
 
 
 class Unit:

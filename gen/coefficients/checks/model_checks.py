@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.errors import InputError
 from gen.model.dynamics import Component, ThermalModel
-from gen.model.schedules import FloatArray, Schedule, Table
+from gen.model.schedules import Schedule, Table
 
 FASTEST = 0.1
 """Largest |pole| times sample time. Beyond it the sampled step no longer resembles the motor: a thermal
@@ -48,7 +49,7 @@ def check_model(model: ThermalModel) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _check_finite(component: Component, pwm: NDArray[np.int64], place: str) -> None:
+def _check_finite(component: Component, pwm: IntArray, place: str) -> None:
     parts = (("gain", component.raw_gain(pwm)[:, None]), ("poles", component.denominator(pwm)))
     for key, values in parts:
         bad = ~np.isfinite(values).all(axis=1)
@@ -59,7 +60,7 @@ def _check_finite(component: Component, pwm: NDArray[np.int64], place: str) -> N
             )
 
 
-def _check_poles(component: Component, pwm: NDArray[np.int64], sample_time: float, place: str) -> None:
+def _check_poles(component: Component, pwm: IntArray, sample_time: float, place: str) -> None:
     a = component.denominator(pwm)
     roots = _roots(component, pwm)
     unstable = ~_hurwitz(a)
@@ -83,7 +84,7 @@ def _check_poles(component: Component, pwm: NDArray[np.int64], sample_time: floa
         )
 
 
-def _hurwitz(a: FloatArray) -> NDArray[np.bool_]:
+def _hurwitz(a: FloatArray) -> BoolArray:
     """Decide stability by Hurwitz's determinants, which need no iteration; a is monic, of order 1..4."""
     stable = (a > 0.0).all(axis=1)
     order = a.shape[1] - 1
@@ -95,7 +96,7 @@ def _hurwitz(a: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(stable)
 
 
-def _roots(component: Component, pwm: NDArray[np.int64]) -> NDArray[np.complex128]:
+def _roots(component: Component, pwm: IntArray) -> NDArray[np.complex128]:
     matrices, _ = component.state_matrices(pwm)
     # Balance first: entries of 1 beside 1e-12 would cost the small roots their digits.
     rate = np.maximum(np.abs(component.denominator(pwm)[:, -1]), 1e-300) ** (1.0 / component.order)
@@ -104,7 +105,7 @@ def _roots(component: Component, pwm: NDArray[np.int64]) -> NDArray[np.complex12
     return np.asarray(np.linalg.eigvals(balanced), dtype=np.complex128)
 
 
-def _check_gain(component: Component, pwm: NDArray[np.int64], place: str) -> list[str]:
+def _check_gain(component: Component, pwm: IntArray, place: str) -> list[str]:
     # At PWM 0 the gain multiplies zero, so its sign there means nothing.
     negative = pwm[(component.raw_gain(pwm) < 0.0) & (pwm > 0)]
     lo, hi = component.validity
@@ -131,7 +132,7 @@ def _check_gain(component: Component, pwm: NDArray[np.int64], place: str) -> lis
     return [f"{place}: {where}; it is taken as 0 there, and the firmware flags it"]
 
 
-def _check_rise(component: Component, pwm: NDArray[np.int64], place: str) -> None:
+def _check_rise(component: Component, pwm: IntArray, place: str) -> None:
     with np.errstate(over="ignore"):
         rise = component.steady_rise(pwm)
     at = int(np.argmax(rise))
@@ -143,7 +144,7 @@ def _check_rise(component: Component, pwm: NDArray[np.int64], place: str) -> Non
         )
 
 
-def _check_dropped(component: Component, pwm: NDArray[np.int64], place: str) -> list[str]:
+def _check_dropped(component: Component, pwm: IntArray, place: str) -> list[str]:
     share = np.abs(component.dropped_imaginary(pwm)[:, 1:]) / component.denominator(pwm)[:, 1:]
     worst = share.max(axis=1)
     if worst.max() <= DROPPED:
@@ -180,7 +181,7 @@ def _schedules(component: Component) -> list[tuple[str, Schedule]]:
     return result
 
 
-def spans(values: NDArray[np.int64]) -> str:
+def spans(values: IntArray) -> str:
     """Write sorted integers as ``1..2, 7``."""
     runs = np.split(values, np.flatnonzero(np.diff(values) > 1) + 1)
     return ", ".join(f"{run[0]}" if run.size == 1 else f"{run[0]}..{run[-1]}" for run in runs)

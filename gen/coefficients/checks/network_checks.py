@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients.base import THOUSANDTHS
 from gen.coefficients.checks.model_checks import FASTEST, HIGHEST, table_warning
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.network import Network
 from gen.model.network_parts import Factor
-from gen.model.schedules import FloatArray
 
 _ROOM_DEGC = 25.0
 """Ambient at which the steady rise is looked at; heat that depends on temperature depends on it."""
@@ -109,7 +108,7 @@ def _widest(model: ThermalModel) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
+def _check_signs(network: Network, pwm: IntArray) -> None:
     for kind, key, values in (
         ("paths", "conductance_W_per_K", network.conductances),
         ("heats", "power_W", network.powers),
@@ -126,7 +125,7 @@ def _check_signs(network: Network, pwm: NDArray[np.int64]) -> None:
                 )
 
 
-def _check_reach(network: Network, pwm: NDArray[np.int64], laws: FloatArray) -> None:
+def _check_reach(network: Network, pwm: IntArray, laws: FloatArray) -> None:
     """Heat of every node finds a way to the ambient at every |PWM|, whatever the channels say."""
     least = [_extremes(network, path.factors)[0] * own for path, own in zip(network.paths, laws[:, 0], strict=True)]
     open_ = network.conductances[pwm] * np.array(least) > 0.0
@@ -184,7 +183,7 @@ def _coarse_channels(network: Network) -> tuple[str, ...]:
     )
 
 
-def _check_speed(network: Network, pwm: NDArray[np.int64], sample_time: float, laws: FloatArray) -> None:
+def _check_speed(network: Network, pwm: IntArray, sample_time: float, laws: FloatArray) -> None:
     """No node follows its neighbours too fast where its paths conduct best and its own heat holds it back least."""
     most = [_extremes(network, path.factors)[1] * own for path, own in zip(network.paths, laws[:, 1], strict=True)]
     heats = [_extremes(network, heat.factors)[heat.per_K < 0.0] for heat in network.heats]
@@ -211,7 +210,7 @@ def _check_lags(network: Network, sample_time: float) -> None:
             )
 
 
-def _check_runaway(network: Network, pwm: NDArray[np.int64], laws: FloatArray) -> None:
+def _check_runaway(network: Network, pwm: IntArray, laws: FloatArray) -> None:
     """Heat that grows with temperature stays below what flows away, at the worst of each factor by itself.
 
     M is the capacities' inverse times a symmetric matrix, -L + D: L grows (as a quadratic form) with every conductance,
@@ -233,7 +232,7 @@ def _check_runaway(network: Network, pwm: NDArray[np.int64], laws: FloatArray) -
         )
 
 
-def _check_rise(network: Network, pwm: NDArray[np.int64]) -> None:
+def _check_rise(network: Network, pwm: IntArray) -> None:
     """Most heat and least conductance settle at what can be a motor; every law is the difference itself."""
     least = [_extremes(network, path.factors)[0] for path in network.paths]
     most = [_extremes(network, heat.factors)[1] for heat in network.heats]

@@ -13,16 +13,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.emulate.plants.courses import Active, PartsCourse
 from gen.model.dynamics import PWM_LEVELS, Component, ThermalModel
 from gen.model.effects.base import Applied, Moment
 from gen.model.effects.response import response
 from gen.model.extended import FINEST_S, own_rate
-
-Array = NDArray[np.float64]
 
 _ROUNDS = 2
 """The first finds where a step ends, the second takes its middle."""
@@ -214,7 +212,7 @@ class _Part:
             after = transition @ self._shared + forced * heat
         self._shared = after
 
-    def _made(self, count: int, step_s: float) -> tuple[Array, Array]:
+    def _made(self, count: int, step_s: float) -> tuple[FloatArray, FloatArray]:
         made = response(self._component, np.array([[count]]), np.array([[step_s]]))
         return made.transition[0, 0], made.forced[0, 0]
 

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from typing import Literal
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.model.dynamics import ThermalModel
 from gen.model.network import Network
 from gen.model.network_parts import AMBIENT, Curve, Heat, Path
-from gen.model.schedules import EXACT, FloatArray, Polynomial, Schedule
+from gen.model.schedules import EXACT, Polynomial, Schedule
 
 Unit = Literal["%", "W", "K"]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.emulate.plants.plant import AMBIENT, Plant, Reading
 from gen.lowering.alarms import COLD_mK, lower_alarms
@@ -25,8 +25,6 @@ from gen.reference.board import reference_of
 from gen.reference.chips import decoded
 from gen.rig import Profile
 
-Integers = NDArray[np.int64]
-
 
 def alarm_times(
     coefficients: Coefficients,
@@ -37,7 +35,7 @@ def alarm_times(
     arithmetic: Arithmetic = "fixed",
     schedule: ScheduleKind = "table",
     progress: Callable[[float], None] = lambda _: None,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Run a board for each plant, with a PWM or a profile each, from the measured temperatures at the start.
 
     Parameters
@@ -100,7 +98,7 @@ def alarm_times(
 
 def _read(
     readings: Sequence[Reading], names: Sequence[str], limits: Mapping[str, SensorLimits]
-) -> tuple[Integers, Integers]:
+) -> tuple[IntArray, IntArray]:
     """Temperatures in thousandths of a degree, shape (components, L), and ambient's, shape (L,)."""
     table = [[_measured(reading, limits[name]) for reading in readings] for name in (*names, AMBIENT)]
     degrees = np.array(table, dtype=np.int64)
@@ -112,8 +110,8 @@ def _measured(reading: Reading, limits: SensorLimits) -> int:
 
 
 def _told(
-    program: Program, ambient: Integers, readings: Sequence[Reading], limits: Mapping[str, SensorLimits]
-) -> Integers | None:
+    program: Program, ambient: IntArray, readings: Sequence[Reading], limits: Mapping[str, SensorLimits]
+) -> IntArray | None:
     """What the board is told, in thousandths, shape (channels, runs); what the plant lacks stays neutral."""
     if not program.channels:
         return None

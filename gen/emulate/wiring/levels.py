@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.avr.memory import Memory
 from gen.avr.shim import Handle
 from gen.avr.simulator import FREQUENCY_HZ
@@ -22,10 +23,10 @@ class Edges:
     """Changes of a pin: ``cycles`` (uint64) and the ``levels`` (bool) from then on, both of shape (N,)."""
 
     cycles: NDArray[np.uint64]
-    levels: NDArray[np.bool_]
+    levels: BoolArray
 
     @property
-    def seconds(self) -> NDArray[np.float64]:
+    def seconds(self) -> FloatArray:
         """Simulated time of each change, s."""
         return self.cycles / FREQUENCY_HZ
 

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import BoolArray, FloatArray
 from gen.fleet.statistics.findings import MEDIAN_ERROR, Finding, best, spread
-from gen.fleet.statistics.pooling import BoolArray, FloatArray
 
 FEWEST_ALIKE = 4
 """Motors on either side from which a label is looked at: fewer have no median that one fault does not move."""

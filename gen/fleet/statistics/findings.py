@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.fleet.statistics.pooling import FloatArray
+from gen.arrays import FloatArray
 
 EFFICIENCY = 0.37
 """Of the MAD as a normal scale."""

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.fleet.statistics.batches import Batch, Group, batches
 from gen.fleet.statistics.findings import MEDIAN_ERROR, Finding, best, limit_of, spread
 from gen.fleet.statistics.patterns import Products
-from gen.fleet.statistics.pooling import FloatArray, IntArray
 from gen.fleet.statistics.scales import scales
 
 FEWEST = 8

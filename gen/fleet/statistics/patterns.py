@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
-from gen.fleet.statistics.pooling import FloatArray
 from gen.model.network_parts import Curve, Heat
 from gen.model.schedules import Polynomial
 from gen.reference.simulate import simulate_run

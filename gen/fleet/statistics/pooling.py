@@ -16,11 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
+from gen.arrays import BoolArray, FloatArray, IntArray
+
 USUAL_SPREAD, DEGREES = 0.1, 4.0
 """What motors of one series are taken to differ by, as standard deviation of a logarithm, and as how many motors that
 counts."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.fleet.statistics.findings import spread
-from gen.fleet.statistics.pooling import FloatArray, IntArray
 
 ALIKE = 80.0
 """Motors as which the ratio of all hypotheses together counts."""

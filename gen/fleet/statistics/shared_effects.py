@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients, parse, with_network
 from gen.coefficients.messages import building
 from gen.errors import CheckFailed
-from gen.fleet.statistics.pooling import FloatArray
 from gen.model.network import Network
 from gen.refinement.network.changing import excess
 from gen.refinement.network.changing.columns import Columns

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import BoolArray, FloatArray
 from gen.errors import InputError
 from gen.fleet.folder.store import MODELS, Store
-from gen.fleet.statistics.pooling import BoolArray, FloatArray, Pool
+from gen.fleet.statistics.pooling import Pool
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.fitting.priors import OFFSET_K, START_FACTOR, Prior, prior_of

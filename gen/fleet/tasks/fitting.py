@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import dump, parse
 from gen.coefficients.names import name_fault
 from gen.fleet.folder.store import Kept, Store
-from gen.fleet.statistics.pooling import FloatArray, integrated_out
+from gen.fleet.statistics.pooling import integrated_out
 from gen.fleet.tasks.common import Common, common_of
 from gen.fleet.tasks.motor_data import data_of, usable
 from gen.fleet.tasks.work import Arrays

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import CheckFailed
 from gen.fleet.folder.store import Kept, Store
-from gen.fleet.statistics.pooling import FloatArray
 from gen.fleet.tasks.common import Common, begun, structure_json, structure_of
 from gen.fleet.tasks.motor_data import data_of, usable
 from gen.fleet.tasks.work import Arrays, Failed, Progress, computed

@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 from scipy.special import stdtrit
 
+from gen.arrays import FloatArray
 from gen.identification.choice.left_out import Judged
-from gen.identification.parts.structure import FloatArray
 
 Kind = Literal["parts", "network"]
 NETWORK: Kind = "network"

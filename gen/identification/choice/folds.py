@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray
 from gen.identification.logs.sources import Source
 
 MOST_FOLDS = 3
@@ -18,8 +18,6 @@ where nobody measured the room its beginning tells that, too."""
 
 LONGEST_STEP_S = 600.0
 """As which a gap counts, where one run is cut: a stretch without rows could judge nothing."""
-
-Rows = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +33,7 @@ class Fold:
     """
 
     fit: tuple[Source, ...]
-    judged: tuple[tuple[Source, Rows], ...]
+    judged: tuple[tuple[Source, BoolArray], ...]
 
 
 def folds_of(sources: Sequence[Source]) -> list[Fold]:

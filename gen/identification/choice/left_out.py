@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.identification.choice.folds import Fold
 from gen.identification.logs.data import sound
-from gen.identification.parts.structure import FloatArray
 from gen.reference.simulate import simulate_run
 from gen.runs import with_noted_ambient
 
@@ -77,7 +76,7 @@ def _errors(coefficients: Coefficients, fold: Fold) -> Iterator[tuple[Judged, Fl
                 )
 
 
-def _blocks(time: FloatArray, out: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _blocks(time: FloatArray, out: BoolArray) -> IntArray:
     """The block of each row, shape (N,); of rows that were left out it counts."""
     first, last = float(time[out][0]), float(time[out][-1])
     share = (time - first) / max(last - first, 1e-9)

@@ -7,9 +7,8 @@ that does not change cannot warm a part by tens of kelvin within a row and cool 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.runs.run import FloatArray
+from gen.arrays import BoolArray, FloatArray, IntArray
 
 LEAST_K = 3.0
 """What is nearer to its neighbours than this is left to the fit."""
@@ -20,7 +19,7 @@ AGREE = 3.0
 """Times by which the reading is further off than its neighbours are apart."""
 
 
-def standing_alone(values: FloatArray, pwm: NDArray[np.int64]) -> NDArray[np.bool_]:
+def standing_alone(values: FloatArray, pwm: IntArray) -> BoolArray:
     """Say which readings stand alone, shape (N,).
 
     Parameters

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.identification.logs.sources import Source
-from gen.identification.parts.structure import FloatArray
 from gen.runs import Run, noted_ambient
 
 ALIKE_K = 3.0

@@ -13,12 +13,11 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.identification.logs.alone import standing_alone
 from gen.runs import Run
-from gen.runs.run import FloatArray
 
 RATE_K_PER_S = 5.0
 """As on the board, where the file does not say otherwise (a test holds both together)."""
@@ -37,7 +36,6 @@ SECOND_QUARTER = 0.78
 WINDOW = 256
 """Readings before one that may be the one before in the sequence, of those that are not out of any reach."""
 
-Mask = NDArray[np.bool_]
 AROUND, LEAST_SHARE = 33, 0.3
 """Of so many readings around one at least this share has to be in the sequence, or it is not believed either."""
 LEAST_OF_ALL = 0.05
@@ -87,7 +85,7 @@ def believed_run(run: Run, rates: Mapping[str, float] = MappingProxyType({})) ->
     return replace(run, temps=temps, doubted=tuple(said)) if said else run
 
 
-def believed(time: FloatArray, values: FloatArray, rate: float = RATE_K_PER_S) -> Mask:
+def believed(time: FloatArray, values: FloatArray, rate: float = RATE_K_PER_S) -> BoolArray:
     """Say which readings are believed, shape (N,); missing ones are not.
 
     Parameters
@@ -131,7 +129,7 @@ def scatter_K(values: FloatArray) -> float:
     return float(np.quantile(np.abs(np.diff(values, 2)), 0.25)) / SECOND_QUARTER
 
 
-def _about(jumps: NDArray[np.int64], count: int) -> list[tuple[int, int]]:
+def _about(jumps: IntArray, count: int) -> list[tuple[int, int]]:
     """Stretches about all jumps, with enough on both sides for what is sound to outweigh what is wild."""
     if not jumps.size:
         return []
@@ -143,7 +141,7 @@ def _about(jumps: NDArray[np.int64], count: int) -> list[tuple[int, int]]:
     ]
 
 
-def _longest(time: FloatArray, value: FloatArray, noise: float, rate: float) -> NDArray[np.int64]:
+def _longest(time: FloatArray, value: FloatArray, noise: float, rate: float) -> IntArray:
     """Places of the longest sequence in which each reading is within reach of the one before."""
     count = value.size
     length, before = np.ones(count, dtype=np.int64), np.full(count, -1, dtype=np.int64)
@@ -166,7 +164,7 @@ def _longest(time: FloatArray, value: FloatArray, noise: float, rate: float) -> 
     return np.array(places[::-1], dtype=np.int64)
 
 
-def _off(time: FloatArray, values: FloatArray, kept: Mask) -> str:
+def _off(time: FloatArray, values: FloatArray, kept: BoolArray) -> str:
     """How far what is not believed is from what is, in words; nothing where none is."""
     if not kept.any():
         return ""

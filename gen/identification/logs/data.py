@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients.names import name_fault
 from gen.errors import InputError
 from gen.identification.drive import common_drive, machine_of
@@ -19,7 +19,6 @@ from gen.identification.logs.fahrenheit import fahrenheit
 from gen.identification.logs.records import Record, condense
 from gen.identification.logs.room_followers import followers
 from gen.identification.logs.sources import Source, read_sources
-from gen.identification.parts.structure import FloatArray
 from gen.runs import Run
 
 FEWEST = 20
@@ -217,7 +216,7 @@ def _useless(records: list[Record]) -> str:
     return ""
 
 
-def held_speeds(records: Sequence[Record]) -> NDArray[np.int64]:
+def held_speeds(records: Sequence[Record]) -> IntArray:
     """Find the |PWM| at which a transfer function can be identified: what is held long enough.
 
     Returns
@@ -249,7 +248,7 @@ def _thinned(held: list[int], total: dict[int, float]) -> list[int]:
     return sorted(chosen)
 
 
-def quantile_speeds(records: Sequence[Record], quantiles: Sequence[float]) -> NDArray[np.int64]:
+def quantile_speeds(records: Sequence[Record], quantiles: Sequence[float]) -> IntArray:
     """Give the |PWM| above 0 below which these shares of the driven time lie, increasing."""
     shares: dict[int, float] = {}
     for record in records:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.logs.sources import Source
-from gen.identification.parts.structure import FloatArray
 
 _HOT_K = 30.0
 """Who begins no further above the room may have run before; 22 degC read as Fahrenheit begin 50 K above it."""

@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.logs.room import Pieces, pieces_of
-from gen.identification.parts.structure import FloatArray
 
 GROWTH = 0.03
 """Largest block, as a share of the time since PWM changed."""
@@ -42,7 +41,7 @@ class Segments:
 
     start: FloatArray
     length: FloatArray
-    pwm: NDArray[np.int64]
+    pwm: IntArray
     mixed: dict[int, dict[int, float]] = field(default_factory=dict)
 
     def dwell(self) -> dict[int, float]:
@@ -92,7 +91,7 @@ class Record:
     rise: FloatArray
     over: FloatArray
     count: FloatArray
-    segment: NDArray[np.int64]
+    segment: IntArray
     pieces: Pieces
     sample_s: float
     noise_K: float
@@ -100,14 +99,14 @@ class Record:
     raw_time: FloatArray
     raw_rise: FloatArray
     raw_over: FloatArray
-    raw_segment: NDArray[np.int64]
+    raw_segment: IntArray
 
     @property
     def duration(self) -> float:
         """From the first sample to the end, s."""
         return float(self.segments.start[-1] + self.segments.length[-1])
 
-    def since(self, *, raw: bool = False) -> tuple[FloatArray, NDArray[np.int64]]:
+    def since(self, *, raw: bool = False) -> tuple[FloatArray, IntArray]:
         """Time since the beginning of the piece, and the piece, of each block (or sample), shape (m,)."""
         time = self.raw_time if raw else self.time
         piece = self.pieces.of(time)
@@ -135,7 +134,7 @@ def quantiser_bias(noise: float, quantum: float) -> float:
     return float(min(dithered, quantum / np.sqrt(12.0)))
 
 
-def segments_of(time: FloatArray, pwm: NDArray[np.int64], end: float) -> Segments:
+def segments_of(time: FloatArray, pwm: IntArray, end: float) -> Segments:
     """Find the segments of held |PWM|; merge short ones where there are too many.
 
     Parameters
@@ -157,7 +156,7 @@ def segments_of(time: FloatArray, pwm: NDArray[np.int64], end: float) -> Segment
     return _merged(start, length, level, float(length.sum()) / MOST_SEGMENTS * 2.0)
 
 
-def _merged(start: FloatArray, length: FloatArray, level: NDArray[np.int64], window: float) -> Segments:
+def _merged(start: FloatArray, length: FloatArray, level: IntArray, window: float) -> Segments:
     starts: list[float] = []
     lengths: list[float] = []
     levels: list[int] = []
@@ -185,7 +184,7 @@ def _merged(start: FloatArray, length: FloatArray, level: NDArray[np.int64], win
 
 
 def condense(
-    name: str, time: FloatArray, pwm: NDArray[np.int64], measured: FloatArray, ambient: FloatArray | float
+    name: str, time: FloatArray, pwm: IntArray, measured: FloatArray, ambient: FloatArray | float
 ) -> Record | None:
     """Condense one component of one run.
 
@@ -243,7 +242,7 @@ def condense(
     )
 
 
-def _blocks(at: FloatArray, owner: NDArray[np.int64], segments: Segments) -> NDArray[np.int64]:
+def _blocks(at: FloatArray, owner: IntArray, segments: Segments) -> IntArray:
     """Number the blocks: they grow with the time since the segment began, up to a share of the run."""
     since = at - segments.start[owner]
     largest = max(float(at[-1]) * FINEST, 1e-9)
@@ -283,7 +282,7 @@ def resolution(value: FloatArray) -> float:
     return smallest if np.max(np.abs(multiples - np.round(multiples))) < 0.05 else 0.0
 
 
-def levels_of(records: Sequence[Record]) -> NDArray[np.int64]:
+def levels_of(records: Sequence[Record]) -> IntArray:
     """Give every |PWM| that occurs, increasing."""
     found: set[int] = set()
     for record in records:

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.parts.structure import FloatArray
+from gen.arrays import FloatArray, IntArray
 
 STEP_K = 0.1
 """A new piece begins where the ambient has moved by this, or by more where there would be too many."""
@@ -38,10 +37,10 @@ class Pieces:
 
     start: FloatArray
     length: FloatArray
-    segment: NDArray[np.int64]
+    segment: IntArray
     over: FloatArray
 
-    def of(self, time: FloatArray) -> NDArray[np.int64]:
+    def of(self, time: FloatArray) -> IntArray:
         """The piece that each time lies in, shape as the times (s since the record's first row)."""
         return np.clip(np.searchsorted(self.start, time, side="right") - 1, 0, len(self.start) - 1)
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.logs.records import resolution
 from gen.identification.logs.sources import Source
-from gen.identification.parts.structure import FloatArray
 from gen.runs import AMBIENT
 
 STILL_K, STEPS = 1.0, 4.0

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.identification.logs.sources import Source
-from gen.identification.network.fitting.bins import FloatArray
 from gen.runs.gaps import held_over_gaps
 
 _WRITTEN = re.compile(r"(?P<column>[A-Za-z]\w*?)(\^(?P<power>[12]))?", re.ASCII)

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.bends import BEND
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.weights import slow_density, windows
 from gen.identification.network.search import Found
 

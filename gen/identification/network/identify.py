@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.network.data import NetworkData
 from gen.identification.network.evidence import clearly_better, likely, plainly_warm
 from gen.identification.network.fitting.as_found import usual
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.driven import POWER
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.identification.network.fitting.past import past_weights

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray, SingleArray
 from gen.identification.network.fitting.fit import settle
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.problem import Evaluated
 from gen.identification.network.search import Found
 from gen.side_by_side import side_by_side
@@ -26,8 +24,6 @@ ALIKE, MOST_ALONE = 0.05, 0.5
 the time that turns is at speeds that no other run has."""
 AT_EACH = 5
 """Linearisations of a fold, from where all runs lead."""
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +47,7 @@ class LeftOut:
         return float(np.sqrt(np.nanmean(self.by_fold)))
 
 
-def folds_of(inputs: Inputs) -> list[Mask]:
+def folds_of(inputs: Inputs) -> list[BoolArray]:
     """Give what each fold leaves out, shape (N,) each."""
     runs = len(inputs.runs)
     if runs <= FEW:
@@ -62,7 +58,7 @@ def folds_of(inputs: Inputs) -> list[Mask]:
     return [inputs.run % count == k for k in range(count)]
 
 
-def folds_for_nodes(inputs: Inputs) -> list[Mask]:
+def folds_for_nodes(inputs: Inputs) -> list[BoolArray]:
     """Give what to leave out to see how many nodes there are, shape (N,) each.
 
     Where each run has a speed of its own, one that is left out tells how well speeds between others are met, which has
@@ -71,7 +67,7 @@ def folds_for_nodes(inputs: Inputs) -> list[Mask]:
     return stretches_of(inputs) if each_alone(inputs) else folds_of(inputs)
 
 
-def stretches_of(inputs: Inputs) -> list[Mask]:
+def stretches_of(inputs: Inputs) -> list[BoolArray]:
     """Give stretches of all runs, shape (N,) each: each fold leaves out every fourth."""
     duration = np.array([run.duration for run in inputs.runs])[inputs.run]
     part = (inputs.begins / duration * STRETCHES).astype(np.int64)
@@ -94,25 +90,25 @@ def each_alone(inputs: Inputs) -> bool:
     return len(inputs.runs) > FEW and alone > MOST_ALONE * total
 
 
-def left_out(found: Found, folds: Sequence[Mask]) -> LeftOut:
+def left_out(found: Found, folds: Sequence[BoolArray]) -> LeftOut:
     """Fit without each fold and predict it, side by side."""
     return together(found, folds, side_by_side(predictions(found, folds)))
 
 
-def all_left_out(found: Sequence[Found], folds: Sequence[Mask]) -> list[LeftOut]:
+def all_left_out(found: Sequence[Found], folds: Sequence[BoolArray]) -> list[LeftOut]:
     """Give the same of several networks, all side by side."""
     made = side_by_side([task for one in found for task in predictions(one, folds)])
     count = len(folds)
     return [together(one, folds, made[k * count : (k + 1) * count]) for k, one in enumerate(found)]
 
 
-def predictions(found: Found, folds: Sequence[Mask]) -> list[Callable[[], FloatArray]]:
+def predictions(found: Found, folds: Sequence[BoolArray]) -> list[Callable[[], FloatArray]]:
     """Give what :func:`predicted` gives of each fold, to be done side by side."""
     known = found.problem.slopes(found.vector)
     return [partial(predicted, found, known, mask) for mask in folds]
 
 
-def predicted(found: Found, known: tuple[Evaluated, Slopes], mask: Mask) -> FloatArray:
+def predicted(found: Found, known: tuple[Evaluated, SingleArray], mask: BoolArray) -> FloatArray:
     """Fit without a fold and predict it.
 
     Parameters
@@ -143,7 +139,7 @@ def predicted(found: Found, known: tuple[Evaluated, Slopes], mask: Mask) -> Floa
     return np.where(mask[:, None] & (inputs.covered > 0.0), evaluated.residual, np.nan)
 
 
-def together(found: Found, folds: Sequence[Mask], errors: Sequence[FloatArray]) -> LeftOut:
+def together(found: Found, folds: Sequence[BoolArray], errors: Sequence[FloatArray]) -> LeftOut:
     """Put the folds' errors together."""
     covered = found.problem.inputs.covered
     error = np.full(covered.shape, np.nan)

@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray
 from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.speed_laws import WITHIN
 from gen.identification.network.fitting.structure import Structure
-from gen.identification.network.left_out import LeftOut, Mask, left_out
+from gen.identification.network.left_out import LeftOut, left_out
 from gen.identification.network.search import Found, all_found, tightened
 from gen.identification.network.starts import taken_over
 from gen.identification.network.telling.uncertainty import spread_of
@@ -36,7 +36,9 @@ Of five steps at five speeds, one left out is missed by a kelvin or two at best:
 not see that a part is torn from the rest of the motor."""
 
 
-def pruned(found: Found, judged: LeftOut, folds: list[Mask], scale: Scale, slack_K: float) -> tuple[Found, LeftOut]:
+def pruned(
+    found: Found, judged: LeftOut, folds: list[BoolArray], scale: Scale, slack_K: float
+) -> tuple[Found, LeftOut]:
     """Take out what is not needed.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.fit import Fit, approach, settle
 from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.fitting.priors import prior_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.scale import Scale
 from gen.identification.network.fitting.speed_laws import HEAT, OUTSIDE

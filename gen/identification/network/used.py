@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.problem import Evaluated
 from gen.identification.network.search import Found
 

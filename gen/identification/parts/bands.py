@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.parts.general import General
 from gen.identification.parts.joint import Model
-from gen.identification.parts.structure import FloatArray
 
 COMPARABLE = 1.6
 """Forms whose leave-one-out error is within this factor of the best are taken for possible."""

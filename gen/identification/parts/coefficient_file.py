@@ -9,8 +9,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, Document, dump, parse
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
@@ -22,7 +22,6 @@ from gen.identification.logs.data import Data
 from gen.identification.parts.bands import Band
 from gen.identification.parts.identify import Identified
 from gen.identification.parts.schedule_entries import component_entry
-from gen.identification.parts.structure import FloatArray
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 
 
@@ -222,7 +221,7 @@ def measured_error(item: Identified, pwm: int) -> tuple[float, float]:
     return (min(lows), max(highs)) if lows else (0.0, 0.0)
 
 
-def _nearest(item: Identified, level: NDArray[np.int64]) -> NDArray[np.int64]:
+def _nearest(item: Identified, level: IntArray) -> IntArray:
     nodes = item.fit.layout.nodes
     return np.asarray(nodes[np.argmin(np.abs(level[:, None] - nodes[None, :]), axis=1)], dtype=np.int64)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.parts.forms import Form
-from gen.identification.parts.structure import FloatArray, Structure
+from gen.identification.parts.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Shape:
     structure: Structure
     time: Form
     gain: Form
-    nodes: NDArray[np.int64]
+    nodes: IntArray
     standstill: bool
 
     @property

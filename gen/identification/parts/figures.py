@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
+from gen.arrays import FloatArray
 from gen.identification.parts.identify import Identified
-from gen.identification.parts.structure import FloatArray
 from gen.identification.parts.uncertainty import residual_noise
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import least_squares
 
-from gen.identification.parts.structure import FloatArray
+from gen.arrays import FloatArray
 from gen.model.dynamics import MAX_PWM
 
 Kind = Literal["poly", "exp2", "linear", "pchip", "trend"]

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.parts.curves import Shape
 from gen.identification.parts.forms import GAIN_FORMS, TIME_FORMS, Form
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.parts.structure import FloatArray
 from gen.identification.parts.uncertainty import Uncertainty
 from gen.model.dynamics import PWM_LEVELS
 
@@ -136,7 +135,7 @@ class Judge:
         return np.sqrt(square / max(count, 1.0)), largest, steady
 
 
-def _rows_at(problem: OutputErrorProblem, r: int, node: int) -> NDArray[np.int64]:
+def _rows_at(problem: OutputErrorProblem, r: int, node: int) -> IntArray:
     """Blocks at a node; where it was never held, those whose PWM is nearest to it."""
     level = problem.records[r].segments.pwm[problem.records[r].segment]
     if node in problem.levels and any(node in record.segments.pwm for record in problem.records):

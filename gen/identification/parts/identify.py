@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients.checks.model_checks import FASTEST as FASTEST_OF_A_FILE
 from gen.identification.logs.data import Data
 from gen.identification.logs.records import Record
@@ -17,7 +18,6 @@ from gen.identification.parts.linearity import Linearity, linearity
 from gen.identification.parts.orders import Choice, StructureCandidate, choose
 from gen.identification.parts.output_error import OFFSET_PRIOR, OutputErrorFit, OutputErrorProblem
 from gen.identification.parts.speeds import choose_speeds, without_gain
-from gen.identification.parts.structure import FloatArray
 from gen.identification.parts.uncertainty import (
     Criteria,
     ResidualTests,

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from gen.arrays import FloatArray
 from gen.identification.parts.curves import Shape
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
-from gen.identification.parts.structure import FloatArray, PoleArray
+from gen.identification.parts.structure import PoleArray
 from gen.identification.parts.uncertainty import residual_noise
 
 

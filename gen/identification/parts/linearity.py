@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.parts.output_error import OutputErrorFit
-from gen.identification.parts.structure import FloatArray
 
 LIMIT = 0.10
 """Coefficient of variation of a pole, and error of the averaged-pole model's steady rise as a share of the rise, up to
@@ -33,7 +33,7 @@ class Linearity:
         Identified steady rise by speed, K.
     """
 
-    speeds: NDArray[np.int64]
+    speeds: IntArray
     poles: NDArray[np.complex128]
     mean: NDArray[np.complex128]
     variance: FloatArray

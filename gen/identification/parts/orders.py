@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem
 from gen.identification.parts.response import simulate
 from gen.identification.parts.start import first_order, ladder
-from gen.identification.parts.structure import CANDIDATES, FloatArray, PoleArray, Structure
+from gen.identification.parts.structure import CANDIDATES, PoleArray, Structure
 from gen.identification.parts.uncertainty import Uncertainty, uncertainty
 
 FOLDS = 4
@@ -230,5 +230,5 @@ def _rings(problem: OutputErrorProblem, fit: OutputErrorFit, poles: PoleArray, n
     return bool(float(np.max(rise)) - height > 2.0 * max(noise, 1e-3))
 
 
-def _listed(values: NDArray[np.int64]) -> str:
+def _listed(values: IntArray) -> str:
     return ", ".join(str(v) for v in values)

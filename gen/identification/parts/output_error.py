@@ -13,13 +13,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import InputError
 from gen.identification.logs.records import Record, levels_of
 from gen.identification.parts.response import mixed_poles, simulate
-from gen.identification.parts.structure import FloatArray, PoleArray, Structure
+from gen.identification.parts.structure import PoleArray, Structure
 
 _STEP = 1e-5
 """Difference quotient's step in a logarithm; the second order it neglects is 1e-5 of the derivative."""
@@ -49,7 +49,7 @@ class Simulator:
         At the samples instead of the blocks.
     """
 
-    def __init__(self, record: Record, levels: NDArray[np.int64], *, raw: bool = False) -> None:
+    def __init__(self, record: Record, levels: IntArray, *, raw: bool = False) -> None:
         self.record = record
         self.since, self.piece = record.since(raw=raw)
         self._over = record.raw_over if raw else record.over
@@ -113,7 +113,7 @@ class Layout:
     """
 
     structure: Structure
-    nodes: NDArray[np.int64]
+    nodes: IntArray
     warm: tuple[int, ...]
     offset: bool = False
 
@@ -123,7 +123,7 @@ class Layout:
         return self.structure.order
 
     @cached_property
-    def positive(self) -> NDArray[np.int64]:
+    def positive(self) -> IntArray:
         """The nodes that have a gain."""
         return self.nodes[self.nodes > 0]
 
@@ -151,13 +151,13 @@ class Layout:
         return slice(first, first + self.warm[record])
 
 
-def interpolation(nodes: NDArray[np.int64], levels: NDArray[np.int64]) -> FloatArray:
+def interpolation(nodes: IntArray, levels: IntArray) -> FloatArray:
     """Give the weights of linear interpolation, held outside, shape (levels, nodes)."""
     eye = np.eye(len(nodes))
     return np.stack([np.interp(levels, nodes, row) for row in eye], axis=1)
 
 
-def rise_interpolation(positive: NDArray[np.int64], levels: NDArray[np.int64]) -> FloatArray:
+def rise_interpolation(positive: IntArray, levels: IntArray) -> FloatArray:
     """Give the same for the steady rise: zero at PWM 0, proportional to PWM beyond the last node."""
     anchored = np.append(0, positive)
     weights = interpolation(anchored, levels)[:, 1:]
@@ -220,7 +220,7 @@ class OutputErrorProblem:
         Shortest time constant that is looked for, s.
     """
 
-    def __init__(self, records: Sequence[Record], nodes: NDArray[np.int64], fastest: float = 0.0) -> None:
+    def __init__(self, records: Sequence[Record], nodes: IntArray, fastest: float = 0.0) -> None:
         self.records = tuple(records)
         self.fastest = max(fastest, 2.0 * min(record.sample_s for record in records))
         longest = max(record.duration for record in records)
@@ -249,7 +249,7 @@ class OutputErrorProblem:
         steady = layout.steady(vectors) @ self._steady_weights.T
         return layout.structure.poles(theta), steady
 
-    def _relevant(self, layout: Layout, r: int) -> NDArray[np.int64]:
+    def _relevant(self, layout: Layout, r: int) -> IntArray:
         """Which parameters the record depends on."""
         used = self.simulators[r].used
         nodes = np.flatnonzero(self._theta_weights[used].any(axis=0))

@@ -12,9 +12,9 @@ next segment: rise and derivatives are continuous when PWM changes, as in `gen.m
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.parts.structure import ComplexArray, FloatArray, PoleArray, separated
+from gen.arrays import FloatArray, IntArray
+from gen.identification.parts.structure import ComplexArray, PoleArray, separated
 
 
 def divided_differences(poles: PoleArray, time: FloatArray) -> PoleArray:
@@ -47,7 +47,7 @@ def simulate(
     steady: FloatArray,
     start: FloatArray,
     length: FloatArray,
-    segment: NDArray[np.int64],
+    segment: IntArray,
     since: FloatArray,
 ) -> FloatArray:
     """Solve over consecutive segments.

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients.document import ComponentEntry, PoleEntry
 from gen.coefficients.schedule import Exp1, Points, Poly, ScheduleEntry, Tabulated
 from gen.identification.parts.forms import FULL
 from gen.identification.parts.joint import Model
-from gen.identification.parts.structure import FloatArray
 from gen.model import Table
 
 SAME = 1e-6

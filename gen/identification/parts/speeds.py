@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.identification.logs.data import held_speeds, quantile_speeds
 from gen.identification.logs.records import Record
 from gen.identification.parts.orders import StructureCandidate, beats, candidate_of, folds_of
@@ -38,7 +38,7 @@ class Speeds:
         Whether the nodes are held speeds; else they span what occurs.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: IntArray
     range: tuple[int, int]
     held: bool
 
@@ -90,17 +90,17 @@ def _holds(records: Sequence[Record]) -> tuple[dict[int, float], dict[int, float
     return total, longest
 
 
-def _range(nodes: NDArray[np.int64]) -> tuple[int, int]:
+def _range(nodes: IntArray) -> tuple[int, int]:
     positive = nodes[nodes > 0]
     return int(positive[0]), int(positive[-1])
 
 
-def _judged(records: Sequence[Record], nodes: NDArray[np.int64], fastest: float) -> StructureCandidate:
+def _judged(records: Sequence[Record], nodes: IntArray, fastest: float) -> StructureCandidate:
     problem = OutputErrorProblem(records, nodes, fastest)
     return candidate_of(problem, first_order(problem), *folds_of(problem)[:2])
 
 
-def without_gain(candidate: StructureCandidate) -> NDArray[np.int64]:
+def without_gain(candidate: StructureCandidate) -> IntArray:
     """Give the speeds at which the gain is not seen to be above zero."""
     layout = candidate.fit.layout
     deviation = candidate.uncertainty.deviation[layout.thetas : layout.thetas + len(layout.positive)]

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.parts.output_error import Layout, OutputErrorFit, OutputErrorProblem
-from gen.identification.parts.structure import FloatArray, Structure
+from gen.identification.parts.structure import Structure
 
 _GRID = 9
 

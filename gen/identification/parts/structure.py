@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gen.arrays import FloatArray
+
 ComplexArray = NDArray[np.complex128]
 PoleArray = NDArray[Any]
 """float64, or complex128 where there is a pair."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc, stdtrit
 
+from gen.arrays import FloatArray
 from gen.identification.logs.records import Record, quantiser_bias
 from gen.identification.parts.output_error import OutputErrorFit, OutputErrorProblem, Simulator
-from gen.identification.parts.structure import FloatArray
 
 BLOCKS = 200
 """Residuals are looked at in this many equal blocks of a run."""

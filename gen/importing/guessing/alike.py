@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.counters import counts_rows
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.mapping import Mapping
-from gen.importing.table import FloatArray
 from gen.importing.units import Unit, unit_of
 
 _LEAST_ROWS, _LEAST_VALUES = 20, 8

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.evidence import Facts
-from gen.importing.table import FloatArray
 
 _LEAST_ROWS = 10
 _FALLS = 0.25

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.evidence import Facts
-from gen.importing.table import FloatArray
 from gen.importing.units import DEGC
 
 _ROUNDED_K = 1.0

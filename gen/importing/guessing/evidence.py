@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.importing.behind import brought, commonest
 from gen.importing.clock import kind_of
 from gen.importing.guessing.names import AMBIENT, PARTS, carried
 from gen.importing.numbers import Parsed, parse
-from gen.importing.table import Column, FloatArray, IntArray, Table
+from gen.importing.table import Column, Table
 from gen.importing.units import TEMPERATURE, Unit, split_name, unit_of
 
 _LEAST_NUMBERS = 0.2
@@ -173,7 +173,7 @@ class Facts:
         return np.array([np.median(values) for values in found if values.size])
 
 
-def _emptied(column: Column, rows: NDArray[np.bool_]) -> Column:
+def _emptied(column: Column, rows: BoolArray) -> Column:
     cells = column.cells
     if isinstance(cells, list):
         return replace(column, cells=["" if gone else cell for cell, gone in zip(cells, rows.tolist(), strict=True)])

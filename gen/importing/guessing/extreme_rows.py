@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, IntArray
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import Guess
-from gen.importing.table import Cells, IntArray
+from gen.importing.table import Cells
 
 _MOSTLY = 0.9
 _LEAST_PAIRS = 5
@@ -60,7 +60,7 @@ def _pairs(columns: Sequence[Cells]) -> IntArray | None:
     return firsts if firsts.size >= _LEAST_PAIRS and 2 * firsts.size >= _MOSTLY * rows else None
 
 
-def _differs(cells: Cells) -> NDArray[np.bool_]:
+def _differs(cells: Cells) -> BoolArray:
     values = np.array([cell.strip() for cell in cells], dtype=object) if isinstance(cells, list) else cells
     return np.asarray(values[1:] != values[:-1], dtype=bool)
 

@@ -10,11 +10,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing import clock
 from gen.importing.dates import DAY_NS
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.names import TIME
-from gen.importing.table import Column, Counted, FloatArray, Table, texts_of
+from gen.importing.table import Column, Counted, Table, texts_of
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name, unit_of
 

@@ -6,10 +6,10 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.series_columns import come_by_turns, moving, series_of
 from gen.importing.mapping import Entry
-from gen.importing.table import FloatArray
 
 _APART = 3.0
 """How far readings go from row to row, of how far those of each name do: noise about a limit by which rows were named

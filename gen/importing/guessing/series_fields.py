@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.table import Column, Table, texts_of
 
@@ -77,6 +77,6 @@ def fields_of(
     return made, twice
 
 
-def _names(of: Sequence[str], rows: NDArray[np.bool_]) -> set[str]:
+def _names(of: Sequence[str], rows: BoolArray) -> set[str]:
     """Names of rows."""
     return {of[i] for i in np.flatnonzero(rows).tolist()} - {""}

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.errors import InputError
 from gen.importing.converted import Converted
 from gen.importing.guessing.evidence import Evidence
 from gen.importing.mapping import TimeForm
-from gen.importing.table import FloatArray, IntArray
 from gen.importing.timing import timed
 
 

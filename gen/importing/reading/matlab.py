@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.errors import InputError
 from gen.importing.guessing.names import TIME
 from gen.importing.reading.rows.delimited import MOST_COLUMNS
 from gen.importing.reading.told_units import with_told_units
-from gen.importing.table import Cells, Column, Counted, FloatArray, Reading, Table
+from gen.importing.table import Cells, Column, Counted, Reading, Table
 
 _LABELS = ("label", "name", "title", "blockName")
 _INFOS = ("DataInfo", "TimeInfo")

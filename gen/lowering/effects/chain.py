@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import ceil, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.effects.program import GUARD_BITS, Chain
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS
@@ -16,8 +16,6 @@ from gen.lowering.recursion.dynamics import Dynamics, dynamics
 from gen.lowering.recursion.no_proof import NoProofError
 from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-
-Array = NDArray[np.float64]
 
 #: Room for rounding, and for what the increment form differs by.
 _MARGIN = 1.02
@@ -60,12 +58,12 @@ def chain(
     return Chain(bits[0] - coarser, int(limit), largest is not None)
 
 
-def reached(exact: Dynamics) -> Array | None:
+def reached(exact: Dynamics) -> FloatArray | None:
     """Largest magnitude of each word, and of the difference of rise and drive, for a drive and a start of up to 1 K.
 
     Returns
     -------
-    Array or None
+    FloatArray or None
         In K per sample^k, shape (n,), the first for the difference; None without a proof.
     """
     if exact.order == 1:
@@ -76,10 +74,10 @@ def reached(exact: Dynamics) -> Array | None:
     return _known[key]
 
 
-_known: dict[tuple[bytes, bytes], Array | None] = {}
+_known: dict[tuple[bytes, bytes], FloatArray | None] = {}
 
 
-def _enclosed(exact: Dynamics) -> Array | None:
+def _enclosed(exact: Dynamics) -> FloatArray | None:
     n = exact.order
     try:
         recursion = SwitchedRecursion(exact.exact)

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion.guarantee import rounded_up
 from gen.lowering.recursion.no_proof import NoProofError
 from gen.lowering.recursion.reach import SwitchedRecursion
@@ -31,8 +31,6 @@ from gen.model import ThermalModel
 from gen.model.effects import Applied
 from gen.model.effects.gains import Domain, PartGains, contracts, gains, in_loops, largest_loop, steady_loops
 from gen.model.effects.runaway import Runaway, runaway_of
-
-Array = NDArray[np.float64]
 
 FASTEST = 1.0
 """Largest magnitude of a part's poles with its own feedback, times the sample time: from twice as much on the board's
@@ -119,7 +117,7 @@ def _of_part(
     return [answer + more for answer, more in zip(answers, apart, strict=True)], proven
 
 
-def _closed(part: PartGains, rows: Array, slope: Array) -> Array:
+def _closed(part: PartGains, rows: FloatArray, slope: FloatArray) -> FloatArray:
     """Companion matrices of a part with own feedback, shape (R, n, n)."""
     component, counts = part.component, rows.astype(np.int64)
     matrices, _ = component.state_matrices(counts)
@@ -152,7 +150,7 @@ def _hindered(part: PartGains, domain: Domain, sample_time: float) -> Runaway | 
     return None
 
 
-def _answers(part: PartGains, rows: Array, sources: Sequence[str]) -> list[float] | None:
+def _answers(part: PartGains, rows: FloatArray, sources: Sequence[str]) -> list[float] | None:
     """Largest answer to a kelvin of each source's rise, without states apart; None without a proof."""
     low, high = part.own
     drives = [part.heating(name) for name in sources]
@@ -164,7 +162,7 @@ def _answers(part: PartGains, rows: Array, sources: Sequence[str]) -> list[float
         return None
 
 
-def _heating_alone(part: PartGains, rows: Array) -> bool:
+def _heating_alone(part: PartGains, rows: FloatArray) -> bool:
     """Whether what heats more with the own rise leaves a proof; where nothing does, there is nothing to prove."""
     low, high = (np.maximum(end, 0.0) for end in part.own)
     if not high.any():
@@ -179,7 +177,9 @@ def _heating_alone(part: PartGains, rows: Array) -> bool:
 _known: dict[tuple[bytes, ...], list[float] | None] = {}
 
 
-def _enclosed(part: PartGains, rows: Array, own: tuple[Array, Array], drives: Sequence[Array]) -> list[float]:
+def _enclosed(
+    part: PartGains, rows: FloatArray, own: tuple[FloatArray, FloatArray], drives: Sequence[FloatArray]
+) -> list[float]:
     """Largest answer to a disturbance of at most each of these drives (K/s), in K.
 
     Raises
@@ -198,7 +198,9 @@ def _enclosed(part: PartGains, rows: Array, own: tuple[Array, Array], drives: Se
     return known
 
 
-def _extents(part: PartGains, rows: Array, matrices: Array, drives: Sequence[Array]) -> list[float] | None:
+def _extents(
+    part: PartGains, rows: FloatArray, matrices: FloatArray, drives: Sequence[FloatArray]
+) -> list[float] | None:
     n = part.component.order
     step = _EULER / float(np.abs(np.linalg.eigvals(matrices)).max())
     scale = step ** np.arange(n)  # the state is (T, h T', h^2 T'', ..)

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from gen.arrays import FloatArray
+
 Operand = tuple[str, int]
 """What the board knows at a sample: its kind and number."""
 Op = Literal["operand", "constant", "row", "add", "sub", "mul", "neg"]
-Value = "float | Array | Node"
+Value = "float | FloatArray | Node"
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ def _fixed(node: Node) -> bool:
     return node.entry.op in ("constant", "row")
 
 
-def _values(node: Node) -> Array:
+def _values(node: Node) -> FloatArray:
     table = np.asarray(node.entry.table)
     return table if node.entry.op == "row" else np.asarray(table[0])
 

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.checks.effect_checks import GROWS, declared_ranges, place_of
 from gen.errors import CheckFailed
 from gen.lowering.effects.chain import chain
 from gen.lowering.effects.channels import channels
 from gen.lowering.effects.contraction import Contraction, contraction
-from gen.lowering.effects.graph import Array, Graph, Node
+from gen.lowering.effects.graph import Graph, Node
 from gen.lowering.effects.program import (
     FOLLOWER_BITS,
     KELVIN_BITS,
@@ -262,7 +263,7 @@ class _Builder:
             notes=tuple(self._note(applied) for applied in own),
         )
 
-    def _sixth(self, component: Component, rate: Array) -> tuple[int, ...]:
+    def _sixth(self, component: Component, rate: FloatArray) -> tuple[int, ...]:
         if component.order > 1 or float(rate.max()) * self.step < _FAST:
             return ()
         return tuple(round(float(v) * self.step / 6.0 * 2.0**WEIGHT_BITS) for v in rate)
@@ -276,8 +277,8 @@ class _Builder:
         return Follower(label, tau, _share(-expm1(-self.step / tau)))
 
     def _inner(
-        self, applied: Applied, target: Array, inner_tau: float, begin: Node, tau: float | None,
-        component: Component, rate: Array,
+        self, applied: Applied, target: FloatArray, inner_tau: float, begin: Node, tau: float | None,
+        component: Component, rate: FloatArray,
     ) -> Inner:  # fmt: skip
         highest = max(float(np.abs(target).max()), begin.entry.magnitude)
         if highest > KELVIN_LIMIT:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from gen.arrays import IntArray
 from gen.lowering.fixed.formats import Format
-from gen.lowering.kinds import Integers
 from gen.lowering.recursion.guarantee import Proof
 
 
@@ -38,8 +38,8 @@ class FixedComponent:
     order: int
     substeps: int
     layout: Format
-    rates: Integers
-    steady: Integers
+    rates: IntArray
+    steady: IntArray
     start_range_mK: tuple[int, int]
     proof: Proof | None
     unproven: str = ""

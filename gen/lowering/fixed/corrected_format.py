@@ -14,13 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.fixed.formats import Format, corrected_gain, dropped_error, largest_formats, with_products
 from gen.lowering.recursion.bounds import StateRanges
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _LAST_GAP = 10
 _LAST_PRODUCTS = (32, 24)
@@ -44,12 +41,12 @@ class Rounding:
         Bounds on the additions' rounding, in K, shape (rows, 3).
     """
 
-    steady: Array
-    q: Array
-    chain: Array
+    steady: FloatArray
+    q: FloatArray
+    chain: FloatArray
 
 
-def candidates(ranges: Array, rate_maxima: Array) -> list[Format]:
+def candidates(ranges: FloatArray, rate_maxima: FloatArray) -> list[Format]:
     """Formats of the corrected form that hold the ranges, the finest first.
 
     Parameters
@@ -72,7 +69,7 @@ def candidates(ranges: Array, rate_maxima: Array) -> list[Format]:
     return found
 
 
-def rounding(layout: Format, rates: Array, integers: Integers) -> Rounding:
+def rounding(layout: Format, rates: FloatArray, integers: IntArray) -> Rounding:
     """Worst rounding of one sample.
 
     Parameters
@@ -104,7 +101,7 @@ def first_product_error(shift: int) -> float:
     return sum((s + 1) * 255.0 * 255.0 * 256.0**s for s in range(FIRST_DROPPED)) / 2.0**shift
 
 
-def fits(layout: Format, ranges: StateRanges, q_range: float, integers: Integers) -> bool:
+def fits(layout: Format, ranges: StateRanges, q_range: float, integers: IntArray) -> bool:
     """Whether the short numbers that d is computed with hold their ranges: two of 16 bits, F of 8."""
     unit, first = _short_lsb(layout), _first_byte(layout, integers)
     inner = ranges.magnitude[2] / unit + first * (ranges.magnitude[1] / (layout.high_lsb[1] * 2.0**24) + 1.0) + 2.0
@@ -117,14 +114,14 @@ def _short_lsb(layout: Format) -> float:
     return layout.high_lsb[2] * 2.0**17
 
 
-def _first_byte(layout: Format, integers: Integers) -> int:
+def _first_byte(layout: Format, integers: IntArray) -> int:
     return int((integers[:, 0] >> 24 + layout.first_rate_cut).max())
 
 
-def _correction_error(layout: Format, integers: Integers) -> Array:
+def _correction_error(layout: Format, integers: IntArray) -> FloatArray:
     """Bound on d's error against its own factors, in K: short x3 and x2, short product, short q, and d's last bit."""
     unit = _short_lsb(layout)
     from_state = unit * (1.0 + _first_byte(layout, integers)) * (integers[:, 1] >> 24) / 2.0**18
     from_floors = 3.0 * unit / 2.0**10
-    error: Array = corrected_gain(integers[:, 2]) / 2.0**20 * (from_state + from_floors) + layout.residue_lsb[1]
+    error: FloatArray = corrected_gain(integers[:, 2]) / 2.0**20 * (from_state + from_floors) + layout.residue_lsb[1]
     return error

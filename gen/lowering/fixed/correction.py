@@ -19,14 +19,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.fixed.formats import Format, corrected_gain
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 #: The only order that has this form.
 ORDER = 3
@@ -38,12 +35,12 @@ _ROUNDS = 4
 class Correction:
     """What d is made of at each PWM: d = on_x2 x2 + on_x3 x3 + on_q q, each of shape (rows,)."""
 
-    on_x2: Array
-    on_x3: Array
-    on_q: Array
+    on_x2: FloatArray
+    on_x3: FloatArray
+    on_q: FloatArray
 
     @classmethod
-    def of(cls, layout: Format, rates: Integers) -> Correction:
+    def of(cls, layout: Format, rates: IntArray) -> Correction:
         """The board's factors for its integer rates, shape (rows, 3)."""
         last = corrected_gain(rates[:, 2]) / 2.0**20
         middle = last * (rates[:, 1] >> 24) / 2.0**18
@@ -74,7 +71,7 @@ def corrected(exact: Dynamics, correction: Correction) -> Dynamics:
     return replace(exact, rates=increments.rates(c), c=c, form=form, constant_map=constant)
 
 
-def tabulate(exact: Dynamics, layout: Format) -> tuple[Dynamics, Integers]:
+def tabulate(exact: Dynamics, layout: Format) -> tuple[Dynamics, IntArray]:
     """The tables and integer rates that belong together, shape (rows, 3).
 
     Rates are rounded from the last one on, each making up for those before it.
@@ -88,7 +85,7 @@ def tabulate(exact: Dynamics, layout: Format) -> tuple[Dynamics, Integers]:
     return corrected(exact, Correction.of(layout, rates)), rates
 
 
-def _rounded(c: Array, layout: Format) -> Integers:
+def _rounded(c: FloatArray, layout: Format) -> IntArray:
     rates = np.zeros(c.shape, dtype=np.int64)
     rest = np.ones(len(c))
     for i in reversed(range(ORDER)):

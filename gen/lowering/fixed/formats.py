@@ -16,11 +16,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.recursion.bounds import StateRanges
-
-Array = NDArray[np.float64]
 
 WORD_BITS = 48
 RESIDUE_BITS = 16
@@ -104,9 +102,9 @@ class Target:
         Largest |x - s| of every coordinate at every PWM, in K per sample^k, shape (rows, n).
     """
 
-    c: Array
-    rates: Array
-    distance: Array
+    c: FloatArray
+    rates: FloatArray
+    distance: FloatArray
 
     def of_states(self, layout: Format) -> float:
         """Estimate of what the last bits of the states mean as an error of the steady rise, in K."""
@@ -121,13 +119,13 @@ class Target:
         return self.of_states(layout) + float(rates + carried)
 
     @cached_property
-    def _share(self) -> Array:
+    def _share(self) -> FloatArray:
         """C[i]/C0, shape (rows, n): what a rounding of x[i+1] means."""
-        share: Array = self.c / self.c[:, :1]
+        share: FloatArray = self.c / self.c[:, :1]
         return share
 
     @cached_property
-    def _moved(self) -> Array:
+    def _moved(self) -> FloatArray:
         """What a whole rate R[i] means, through its own C and all before it, shape (rows, n)."""
         return np.cumsum(self._share * self.distance, axis=1)
 
@@ -147,13 +145,13 @@ def dropped_error(shift: int, *, wide: bool) -> float:
     return sum((s + 1) * 255.0 * 255.0 * 256.0**s for s in range(rank)) / 2.0**shift
 
 
-def corrected_gain(last_rates: NDArray[np.int64]) -> NDArray[np.int64]:
+def corrected_gain(last_rates: IntArray) -> IntArray:
     """F of the corrected form, R2/12 from R2's uppermost byte (:mod:`gen.lowering.fixed.correction`)."""
-    gain: NDArray[np.int64] = (last_rates >> 24) * 2 * GAIN_FACTOR >> 8
+    gain: IntArray = (last_rates >> 24) * 2 * GAIN_FACTOR >> 8
     return gain
 
 
-def choose(ranges: Array, drive: float | None, target: Target, tolerance: float) -> Format | None:
+def choose(ranges: FloatArray, drive: float | None, target: Target, tolerance: float) -> Format | None:
     """The formats with the fewest odd shifts whose rounding stays within a tolerance.
 
     Parameters
@@ -194,7 +192,7 @@ def choose(ranges: Array, drive: float | None, target: Target, tolerance: float)
     return best[1] if best else None
 
 
-def largest_formats(ranges: Array) -> list[int]:
+def largest_formats(ranges: FloatArray) -> list[int]:
     """Most bits after the binary point that the states' words can have, not decreasing."""
     finest = [WORD_BITS - 1 - _bits(value) for value in ranges]
     for i in reversed(range(len(finest) - 1)):
@@ -202,7 +200,7 @@ def largest_formats(ranges: Array) -> list[int]:
     return finest
 
 
-def with_products(bits: tuple[int, ...], rate_maxima: Array) -> Format | None:
+def with_products(bits: tuple[int, ...], rate_maxima: FloatArray) -> Format | None:
     """The finest rates for given bits of the states, None if a rate is too large for any product."""
     shifts, rate_bits = [], []
     for i, largest in enumerate(rate_maxima):
@@ -222,7 +220,9 @@ def _bits(magnitude: float) -> int:
     return int(np.ceil(np.log2(magnitude * (1.0 + 1e-6))))
 
 
-def rounding(layout: Format, rates: Array, steady_excess: Array | float = 0.0) -> tuple[Array, Array]:
+def rounding(
+    layout: Format, rates: FloatArray, steady_excess: FloatArray | float = 0.0
+) -> tuple[FloatArray, FloatArray]:
     """Worst rounding of one sample: of q, and of each chain addition; :func:`carry_error` comes on top.
 
     Parameters
@@ -272,7 +272,7 @@ def carry_fits(layout: Format, q_range: float) -> bool:
     return 2.0 * q_range < (2.0**31 - 4.0) * 2.0 ** (8 * layout.carry_byte) * layout.residue_lsb[-1]
 
 
-def nested_ranges(ranges: StateRanges, rates: Array) -> Array:
+def nested_ranges(ranges: StateRanges, rates: FloatArray) -> FloatArray:
     """Largest magnitude that each high word position has to hold: state, or state plus product, shape (n,)."""
     largest = rates.max(axis=0)
     difference = float(ranges.distance[:, 0].max())
@@ -284,7 +284,7 @@ def nested_ranges(ranges: StateRanges, rates: Array) -> Array:
     return np.array(result)
 
 
-def steady_excess(steady: NDArray[np.int64], exact: NDArray[np.float64], layout: Format) -> NDArray[np.float64]:
+def steady_excess(steady: IntArray, exact: FloatArray, layout: Format) -> FloatArray:
     """By how many units each S leaves the interval [exact - 1, exact] that the step's proof assumes, shape (rows,).
 
     Parameters
@@ -297,5 +297,5 @@ def steady_excess(steady: NDArray[np.int64], exact: NDArray[np.float64], layout:
         The formats that hold.
     """
     deviation = steady - exact / layout.high_lsb[0]
-    excess: NDArray[np.float64] = np.maximum(0.0, np.maximum(deviation, -1.0 - deviation))
+    excess: FloatArray = np.maximum(0.0, np.maximum(deviation, -1.0 - deviation))
     return excess

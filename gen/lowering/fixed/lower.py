@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.lowering.fixed import corrected_format, correction, formats
 from gen.lowering.fixed.component import FixedComponent
 from gen.lowering.fixed.formats import RESIDUE_BITS, Format, steady_excess
 from gen.lowering.fixed.proof import prove, prove_corrected
-from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds
 from gen.lowering.recursion.dynamics import TOWARDS_SETTLED, Dynamics, LoweringError, dynamics
 from gen.lowering.recursion.no_proof import NoProofError
@@ -26,7 +26,7 @@ _HOPELESS = 5.0
 _ROUNDING_SHARE = 0.3
 
 
-def tabulate(exact: Dynamics, layout: Format) -> tuple[Integers, Integers]:
+def tabulate(exact: Dynamics, layout: Format) -> tuple[IntArray, IntArray]:
     """The integers of rates (to nearest) and steady rises (down) in a layout."""
     scale = 2.0 ** np.array(layout.rate_fraction_bits)
     rates = np.rint(exact.rates * scale).astype(np.int64)
@@ -138,7 +138,7 @@ def _lower_corrected(component: Component, exact: Dynamics) -> FixedComponent | 
     return None
 
 
-def with_rows(lowered: FixedComponent, exact: Dynamics, rates: Integers, steady: Integers) -> FixedComponent:
+def with_rows(lowered: FixedComponent, exact: Dynamics, rates: IntArray, steady: IntArray) -> FixedComponent:
     """The same component with given integers, such as an onboard schedule computes, and their own proof.
 
     Parameters

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.fixed import corrected_format, correction, formats
 from gen.lowering.fixed.formats import Format
 from gen.lowering.fixed.start import start_error
-from gen.lowering.kinds import Integers
 from gen.lowering.recursion import bounds, increments
-from gen.lowering.recursion.bounds import Array, InnerRanges, StateRanges, WorstError
+from gen.lowering.recursion.bounds import InnerRanges, StateRanges, WorstError
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 from gen.lowering.recursion.no_proof import NoProofError
@@ -19,7 +19,7 @@ _OVERFLOW = "the ranges that its states can reach do not fit their words"
 
 
 def prove_corrected(
-    recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: Integers, steady: Integers
+    recursion: SwitchedRecursion, exact: Dynamics, layout: Format, rates: IntArray, steady: IntArray
 ) -> Proof:
     """:func:`prove` for the corrected form.
 
@@ -64,8 +64,8 @@ def prove(
     exact: Dynamics,
     ranges: StateRanges,
     layout: Format,
-    rates: Integers,
-    steady_excess: Array | float = 0.0,
+    rates: IntArray,
+    steady_excess: FloatArray | float = 0.0,
 ) -> Proof:
     """Worst error of the integer recursion, for any PWM sequence of any length.
 
@@ -99,14 +99,14 @@ def prove(
     return _proof(recursion, exact, ranges, layout, error)
 
 
-def _changed_sums(ranges: StateRanges, exact: Dynamics, integer_rates: Array) -> Array:
+def _changed_sums(ranges: StateRanges, exact: Dynamics, integer_rates: FloatArray) -> FloatArray:
     """By how much the nested sums exceed those of the exact rates, in K: every factor of every term is changed."""
     changed = (1.0 + np.abs(integer_rates / exact.rates - 1.0).max()) ** exact.order - 1.0
-    sums: Array = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
+    sums: FloatArray = changed * formats.nested_ranges(ranges, np.maximum(integer_rates, exact.rates))
     return sums
 
 
-def _drive(inner: InnerRanges, exact: Dynamics, changed_sums: Array) -> float:
+def _drive(inner: InnerRanges, exact: Dynamics, changed_sums: FloatArray) -> float:
     """Largest |q| with the board's rates, in K."""
     return inner.drive + float(changed_sums[-1] * exact.rates[:, -1].max())
 

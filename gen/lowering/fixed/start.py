@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import IntArray
 from gen.lowering.start import worst_start
 
-Rise = TypeVar("Rise", int, NDArray[np.int64])
+Rise = TypeVar("Rise", int, IntArray)
 
 
 @dataclass(frozen=True)

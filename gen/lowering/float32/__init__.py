@@ -16,7 +16,7 @@ which leaves a factor of 1 + C[n-2]/12 on the carry for the proof to count.
 Where no range can be proven, the accumulators stop at half their range, and every stop is counted.
 """
 
-from gen.lowering.float32.component import CARRY, LIMIT_BITS, LOW_BITS, ONBOARD_STEADY_SHIFT, FloatComponent, Singles
+from gen.lowering.float32.component import CARRY, LIMIT_BITS, LOW_BITS, ONBOARD_STEADY_SHIFT, FloatComponent
 from gen.lowering.float32.lower import lower_component, with_rows
 from gen.lowering.float32.packing import Column, column_words, packed
 from gen.lowering.float32.proof import half_ulp
@@ -28,7 +28,6 @@ __all__ = [
     "ONBOARD_STEADY_SHIFT",
     "Column",
     "FloatComponent",
-    "Singles",
     "column_words",
     "half_ulp",
     "lower_component",

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray, SingleArray
 from gen.lowering.recursion.guarantee import Proof
-
-Singles = NDArray[np.float32]
-Integers = NDArray[np.int64]
 
 #: Bits of an accumulator below its 32-bit word.
 LOW_BITS = 8
@@ -52,8 +49,8 @@ class FloatComponent:
     order: int
     substeps: int
     fraction_bits: tuple[int, ...]
-    rates: Singles
-    steady: Integers
+    rates: SingleArray
+    steady: IntArray
     start_range_mK: tuple[int, int]
     proof: Proof | None
     unproven: str = ""
@@ -69,10 +66,10 @@ class FloatComponent:
         return tuple(b - a for a, b in itertools.pairwise(self.fraction_bits))
 
     @property
-    def rate_words(self) -> Singles:
+    def rate_words(self) -> SingleArray:
         """The rates as the board multiplies with them: from one word's unit to the next one's, shape (rows, n)."""
         scale = np.float32(2.0) ** np.array([*self.chain_shifts, 0], dtype=np.float32)
-        result: Singles = self.rates * scale
+        result: SingleArray = self.rates * scale
         return result
 
     @property
@@ -85,10 +82,10 @@ class FloatComponent:
         """In K: in a sum with it, any S has the exponent of this one, so that its bits are a fixed-point number."""
         return np.float32(1.5 * 2.0 ** (23 + ONBOARD_STEADY_SHIFT - self.fraction_bits[0]))
 
-    def steady_words(self, kelvins: Singles) -> Integers:
+    def steady_words(self, kelvins: SingleArray) -> IntArray:
         """S as the board converts it where it computes S itself: to multiples of 2^9 units."""
         bits = np.asarray(kelvins + self.steady_constant, dtype=np.float32).view(np.int32).astype(np.int64)
-        result: Integers = bits - int(self.steady_constant.view(np.int32)) << ONBOARD_STEADY_SHIFT
+        result: IntArray = bits - int(self.steady_constant.view(np.int32)) << ONBOARD_STEADY_SHIFT
         return result
 
     def describe(self) -> dict[str, Any]:

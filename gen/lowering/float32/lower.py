@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.lowering.float32.component import LIMIT_BITS, FloatComponent, Singles
+from gen.arrays import SingleArray
+from gen.lowering.float32.component import LIMIT_BITS, FloatComponent
 from gen.lowering.float32.packing import packed, packed_steady
 from gen.lowering.float32.proof import prove, word_ranges
 from gen.lowering.float32.ranges import Magnitudes, Reachable, proven_magnitudes, unproven_magnitudes
@@ -45,7 +46,7 @@ def lower_component(
     )
 
 
-def with_rows(lowered: FloatComponent, exact: Dynamics, rates: Singles, steady_K: Singles) -> FloatComponent:
+def with_rows(lowered: FloatComponent, exact: Dynamics, rates: SingleArray, steady_K: SingleArray) -> FloatComponent:
     """The same component with given rows, such as an onboard schedule computes, and their own proof.
 
     Parameters

@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.lowering.float32.component import FloatComponent, Singles
-
-Integers = NDArray[np.int64]
+from gen.arrays import FloatArray, IntArray, SingleArray
+from gen.lowering.float32.component import FloatComponent
 
 #: Bits of what the table stores.
 STORED_BITS = 24
@@ -32,17 +30,17 @@ class Column:
     stored: tuple[int, ...]
 
 
-def packed(words: Singles) -> Singles:
+def packed(words: SingleArray) -> SingleArray:
     """Float32 words (positive, shape (rows,)) rounded to what a column can hold."""
     bits = words.view(np.uint32).astype(np.int64)
     base, shift = _frame(bits)
     rounded = base + (((bits - base) + ((1 << shift) >> 1)) >> shift << shift)
     highest = base + (((1 << STORED_BITS) - 1) << shift)
-    result: Singles = np.minimum(rounded, highest).astype(np.uint32).view(np.float32)
+    result: SingleArray = np.minimum(rounded, highest).astype(np.uint32).view(np.float32)
     return result
 
 
-def packed_steady(kelvins: NDArray[np.float64], fraction_bits: int) -> Integers:
+def packed_steady(kelvins: FloatArray, fraction_bits: int) -> IntArray:
     """Steady rises in K as words that a column can hold, shape (rows,)."""
     return np.rint(kelvins * 2.0 ** (fraction_bits - STEADY_SHIFT)).astype(np.int64) << STEADY_SHIFT
 
@@ -62,12 +60,12 @@ def column_words(component: FloatComponent) -> list[Column]:
     return [*columns, _column(f"{component.name}.S", component.steady, 0, STEADY_SHIFT, signed=True)]
 
 
-def _frame(bits: Integers) -> tuple[int, int]:
+def _frame(bits: IntArray) -> tuple[int, int]:
     base = int(bits.min())
     return base, max(0, int(bits.max() - base).bit_length() - STORED_BITS)
 
 
-def _column(name: str, words: Integers, base: int, shift: int, *, signed: bool = False) -> Column:
+def _column(name: str, words: IntArray, base: int, shift: int, *, signed: bool = False) -> Column:
     stored = (words - base) >> shift
     lowest = -(1 << (STORED_BITS - 1)) if signed else 0
     if np.any((stored << shift) + base != words) or stored.min() < lowest or stored.max() - lowest >= 1 << STORED_BITS:

@@ -9,8 +9,8 @@ infinities cannot occur.)  The invariant polytope bounds the values, and what th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.float32.component import CARRY, LOW_BITS, FloatComponent
 from gen.lowering.float32.ranges import WIDENING, Magnitudes, Reachable
 from gen.lowering.float32.start import ambient_error, start_error
@@ -20,24 +20,22 @@ from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Proof
 from gen.lowering.recursion.no_proof import NoProofError
 
-Array = NDArray[np.float64]
-
 #: A computed magnitude may exceed the exact one's bound by its own rounding; this covers that generously.
 INFLATION = 1.0 + 1e-5
 #: Largest relative rounding of one float32 operation.
 _RELATIVE = 2.0**-24
 
 
-def half_ulp(magnitude: Array | float) -> Array:
+def half_ulp(magnitude: FloatArray | float) -> FloatArray:
     """Largest rounding error of one float32 operation whose exact result is at most ``magnitude``."""
     inflated = np.maximum(np.asarray(magnitude, dtype=np.float64) * INFLATION, 1e-37)
-    result: Array = 2.0 ** (np.floor(np.log2(inflated)) - 24.0)
+    result: FloatArray = 2.0 ** (np.floor(np.log2(inflated)) - 24.0)
     return result
 
 
-def word_ranges(exact: Dynamics, sizes: Magnitudes) -> Array:
+def word_ranges(exact: Dynamics, sizes: Magnitudes) -> FloatArray:
     """Largest magnitude that the words of x1 .. xn must hold, with S and S - x1, shape (n,), in K per sample^k."""
-    needed: Array = (sizes.state + sizes.added()) * INFLATION
+    needed: FloatArray = (sizes.state + sizes.added()) * INFLATION
     needed[0] = max(needed[0], float(sizes.inner[:, 0].max()) * INFLATION, _largest_steady(exact))
     return needed
 
@@ -87,10 +85,10 @@ def prove(lowered: FloatComponent, reachable: Reachable, sizes: Magnitudes) -> P
     )
 
 
-def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:
+def _chain_error(order: int, sizes: Magnitudes, units: FloatArray) -> FloatArray:
     """Rounding of one sample's additions into each state but the carry's own, shape (n,)."""
     lowest = units / 2**LOW_BITS
-    error: Array = lowest.copy()
+    error: FloatArray = lowest.copy()
     for i in range(1, order):  # x[i] is read before it is added; the last addition is q's
         error[i - 1] += units[i] + half_ulp(sizes.state[i])
     if order == 2:  # q/2 apart
@@ -100,11 +98,11 @@ def _chain_error(order: int, sizes: Magnitudes, units: Array) -> Array:
     return error
 
 
-def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, units: Array) -> Array:
+def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, units: FloatArray) -> FloatArray:
     """Rounding of q's operations and of S, shape (rows,)."""
     n = lowered.order
     rates = np.maximum(lowered.rates.astype(np.float64), exact.rates)
-    error: Array = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
+    error: FloatArray = half_ulp(sizes.inner[:, 0]) + units[0] + np.abs(lowered.steady * units[0] - exact.steady)
     error = error + ambient_error(lowered.fraction_bits[0], exact.over_range_mK)
     for i in range(n):
         error = rates[:, i] * error + half_ulp(rates[:, i] * sizes.inner[:, i])
@@ -114,7 +112,7 @@ def _rounding_of_q(lowered: FloatComponent, exact: Dynamics, sizes: Magnitudes, 
 
 
 def _worst_error(
-    reachable: Reachable, q_error: Array, chain_error: Array, carried: Array, start_error: float
+    reachable: Reachable, q_error: FloatArray, chain_error: FloatArray, carried: FloatArray, start_error: float
 ) -> WorstError:
     """Largest ``|x1 - T|`` in K, as :func:`gen.lowering.recursion.bounds.worst_error` with per-functional ranges."""
     exact = reachable.exact
@@ -127,7 +125,7 @@ def _worst_error(
         disturbance[:, 1 + i, i] = chain_error[:, i] + form_rows[:, i]
     start = np.zeros((1, n))
     start[0, 0] = start_error
-    from_board: Array = np.asarray(np.linalg.inv(reachable.maps), dtype=np.float64)
+    from_board: FloatArray = np.asarray(np.linalg.inv(reachable.maps), dtype=np.float64)
     generators = np.einsum("pij,pkj->pki", from_board, disturbance)
     generators[:, -1] = bounds.carried_over(exact, from_board, carried)
     error = reachable.recursion.bound(generators, start)

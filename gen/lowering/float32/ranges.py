@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion import bounds, increments
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.lowering.recursion.reach_set import ReachSet
-
-Array = NDArray[np.float64]
 
 #: The error itself may widen the ranges by this share; checked when the error is known.
 WIDENING = 1e-3
@@ -32,17 +30,17 @@ class Reachable:
         self._reach: ReachSet = recursion.bound(towards[:, None, :], start)
         self.extents = self._reach.axes
 
-    def true_distance(self) -> Array:
+    def true_distance(self) -> FloatArray:
         """Largest ``|y - s|`` of the disturbed copy y of the true state, shape (rows, n)."""
-        distance: Array = np.tile(self.extents * (1.0 + WIDENING), (len(self.exact.steady), 1))
+        distance: FloatArray = np.tile(self.extents * (1.0 + WIDENING), (len(self.exact.steady), 1))
         distance[:, 0] += self.exact.away
         return distance
 
-    def functional(self, weights: Array) -> Array:
+    def functional(self, weights: FloatArray) -> FloatArray:
         """Bound of ``|weights . (x - s)|`` at every row, for weights of shape (rows, n)."""
         mapped = np.einsum("pi,pij->pj", weights, self.maps)
-        settled: Array = np.abs(mapped[:, 0]) * self.exact.away
-        result: Array = self._around_centre(mapped) + settled
+        settled: FloatArray = np.abs(mapped[:, 0]) * self.exact.away
+        result: FloatArray = self._around_centre(mapped) + settled
         return result
 
     def rise(self) -> tuple[float, float]:
@@ -52,10 +50,10 @@ class Reachable:
         reach = float((self._around_centre(mapped) + off).max())
         return self.exact.centre - reach, self.exact.centre + reach
 
-    def _around_centre(self, mapped: Array) -> Array:
+    def _around_centre(self, mapped: FloatArray) -> FloatArray:
         unique, place = np.unique(mapped, axis=0, return_inverse=True)
         extent = self._reach.extents(unique)[place.ravel()]
-        widened: Array = extent + WIDENING * np.abs(mapped) @ self.extents
+        widened: FloatArray = extent + WIDENING * np.abs(mapped) @ self.extents
         return widened
 
 
@@ -78,12 +76,12 @@ class Magnitudes:
     """
 
     rise: tuple[float, float]
-    state: Array
-    inner: Array
-    q: Array
+    state: FloatArray
+    inner: FloatArray
+    q: FloatArray
     carried: float = 0.0
 
-    def added(self) -> Array:
+    def added(self) -> FloatArray:
         """Most that one step adds to each state, shape (n,)."""
         order = len(self.state)
         result = np.append(self.state[1:], float(self.q.max()))
@@ -132,7 +130,7 @@ def _with_carry(exact: Dynamics, sizes: Magnitudes) -> Magnitudes:
     return replace(sizes, state=state, inner=inner, q=sizes.q + share * carried, carried=carried)
 
 
-def _partial(rates: Array, stage: int) -> Array:
+def _partial(rates: FloatArray, stage: int) -> FloatArray:
     """Weights on x - s of what enters product ``stage``; stage n gives q (all up to sign), shape (rows, n)."""
     n = rates.shape[1]
     weights = np.zeros_like(rates)

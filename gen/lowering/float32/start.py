@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.float32.component import LOW_BITS
 from gen.lowering.start import worst_start
-
-Integers = NDArray[np.int64]
 
 
 def start_factor(bits: int) -> np.float32:
@@ -18,7 +16,7 @@ def start_factor(bits: int) -> np.float32:
     return np.float32(2.0**bits / 1000.0)
 
 
-def start_accumulator(bits: int, rise_mK: Integers) -> Integers:
+def start_accumulator(bits: int, rise_mK: IntArray) -> IntArray:
     """The accumulators for rises: one product of float32, rounded towards zero.
 
     Parameters
@@ -31,7 +29,7 @@ def start_accumulator(bits: int, rise_mK: Integers) -> Integers:
     return _truncated(bits, rise_mK, LOW_BITS)
 
 
-def ambient_word(bits: int, over_mK: Integers) -> Integers:
+def ambient_word(bits: int, over_mK: IntArray) -> IntArray:
     """What is added to steady rises for an ambient over the reference: one product of float32, rounded towards zero.
 
     Parameters
@@ -44,7 +42,7 @@ def ambient_word(bits: int, over_mK: Integers) -> Integers:
     return _truncated(bits, over_mK, 0)
 
 
-def _truncated(bits: int, value_mK: Integers, more: int) -> Integers:
+def _truncated(bits: int, value_mK: IntArray, more: int) -> IntArray:
     """Words of so many bits after the binary point, from one product of float32, and `more` bits behind them."""
     words = start_factor(bits) * value_mK.astype(np.float32)
     return np.asarray(np.trunc(words.astype(np.float64) * (1 << more)).astype(np.int64))

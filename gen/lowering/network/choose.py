@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from gen.arrays import FloatArray
 from gen.errors import CheckFailed
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.network import fixed, float32
@@ -21,7 +19,6 @@ from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.series import CHOICES, FIRST, Product
 from gen.lowering.network.terms import Terms
 
-Array = NDArray[np.float64]
 TARGET_K: Mapping[Arithmetic, float] = {"fixed": 9.5e-6, "float": 1e-3}
 """A bound that is good enough: a smaller one costs terms of the series, and longer words."""
 _TOLD_TARGET_K = 4e-5
@@ -48,8 +45,8 @@ class Form:
     states: tuple[StateProgram, ...]
     products: tuple[Product, ...]
     series: tuple[int, ...]
-    defect: Array
-    bound: Array
+    defect: FloatArray
+    bound: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +56,11 @@ class _Trial:
     orders: list[int]
     products: tuple[Product, ...]
     series: tuple[int, ...]
-    defect: Array
+    defect: FloatArray
     cost: float
 
 
-def _bound(terms: Terms, defect: Array) -> Array:
+def _bound(terms: Terms, defect: FloatArray) -> FloatArray:
     found = error_bound(terms, defect)
     if found is None:
         raise CheckFailed("$.network: no error bound can be proven: nothing holds errors back at some |PWM|")
@@ -75,7 +72,7 @@ def _enough(target: float, least: float, slack: float, limit: float) -> float:
     return max(least, min(max(target, slack * least), 0.95 * limit))
 
 
-def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Array, limit: float) -> Form:
+def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: FloatArray, limit: float) -> Form:
     """Choose a network's form in fixed point.
 
     Parameters
@@ -127,7 +124,9 @@ def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Array
     return Form(states, chosen.products, chosen.series, chosen.defect, bound)
 
 
-def _cheapest(terms: Terms, trials: list[_Trial], best: _Trial, least: Array, enough: float) -> tuple[_Trial, Array]:
+def _cheapest(
+    terms: Terms, trials: list[_Trial], best: _Trial, least: FloatArray, enough: float
+) -> tuple[_Trial, FloatArray]:
     """The cheapest trial whose bound is good enough, and that bound."""
     tried = 0
     for trial in sorted(trials, key=lambda trial: trial.cost):
@@ -152,7 +151,7 @@ def _cost(terms: Terms, orders: list[int], products: tuple[Product, ...]) -> flo
     )
 
 
-def float_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Array, limit: float) -> Form:
+def float_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: FloatArray, limit: float) -> Form:
     """Choose a network's form in float32.
 
     Parameters

@@ -16,12 +16,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.network.ranges import matrix_row
 from gen.lowering.network.terms import Term, Terms
 
-Array = NDArray[np.float64]
 MOST_ORDERS = 5
 SHARES = (1.0, 0.3, 0.1, 0.02)
 """Shares of what a sample adds to the error anyway that terms of the series may be left out for: the first with which
@@ -48,14 +47,14 @@ class Roundings:
         What is lost where the state takes up its changes, K; a number, or shape (rows, n).
     """
 
-    first: Array
-    rate: Callable[[int, Term], Array]
-    sum: Callable[[int, int, Array], Array]
+    first: FloatArray
+    rate: Callable[[int, Term], FloatArray]
+    sum: Callable[[int, int, FloatArray], FloatArray]
     kept: tuple[float, ...]
-    added: float | Array
+    added: float | FloatArray
 
 
-def magnitudes(terms: Terms, first: Array, order: int) -> list[Array]:
+def magnitudes(terms: Terms, first: FloatArray, order: int) -> list[FloatArray]:
     """Bounds on y1..y_order, each of shape (rows, n), K, from a bound on y1."""
     found = [first]
     for k in range(2, order + 1):
@@ -63,7 +62,7 @@ def magnitudes(terms: Terms, first: Array, order: int) -> list[Array]:
     return found
 
 
-def _next(terms: Terms, before: Array) -> Array:
+def _next(terms: Terms, before: FloatArray) -> FloatArray:
     """Sum over terms of rate (|y_source| + |y_target|)."""
     total = np.zeros_like(before)
     for term, most in zip(terms.terms, terms.most, strict=True):
@@ -72,7 +71,7 @@ def _next(terms: Terms, before: Array) -> Array:
     return total
 
 
-def bending(terms: Terms, first: Array) -> Array:
+def bending(terms: Terms, first: FloatArray) -> FloatArray:
     """What laws that are no lines add to the error, K, shape (rows, n), from a bound on y1.
 
     After a share s of a sample the ends of a path have moved by no more than s times their y1, so that what drives is
@@ -91,7 +90,7 @@ def bending(terms: Terms, first: Array) -> Array:
     return np.asarray(total + 2.0 * handed.max(initial=0.0), dtype=np.float64)
 
 
-def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tuple[list[int], Array]:
+def choose_orders(terms: Terms, first: FloatArray, floor: FloatArray, share: float) -> tuple[list[int], FloatArray]:
     """How many terms of the series each state takes part in, and what leaving out the rest costs.
 
     Parameters
@@ -125,8 +124,8 @@ def choose_orders(terms: Terms, first: Array, floor: Array, share: float) -> tup
 
 
 def defects(
-    terms: Terms, first: Array, orders: Sequence[int], left: Array, rounding: Roundings
-) -> tuple[Array, list[Array]]:
+    terms: Terms, first: FloatArray, orders: Sequence[int], left: FloatArray, rounding: Roundings
+) -> tuple[FloatArray, list[FloatArray]]:
     """What one sample adds to the error by row and state, K.
 
     Parameters
@@ -175,7 +174,7 @@ def defects(
     return np.asarray(total, dtype=np.float64), words
 
 
-def error_bound(terms: Terms, defect: Array) -> Array | None:
+def error_bound(terms: Terms, defect: FloatArray) -> FloatArray | None:
     """The least u with -h M u exp(-h |M_ii|) >= defect for every row and all that channels may say; K, shape (n,).
 
     With e' = exp(h M) e + d, |d| <= defect, and |e| <= u: exp(h M) has no negative entry, so |e'| <= exp(h M) u +

@@ -12,10 +12,9 @@ from itertools import pairwise
 from math import ceil, comb, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.errors import CheckFailed
-from gen.lowering.kinds import Integers
 from gen.lowering.network.series import WHOLE
 from gen.model.network_parts import Channel, Factor
 
@@ -28,12 +27,12 @@ CUT = 1.0 + WHOLE.dropped * 2.0**-_WHOLE_SHIFT
 """Largest error of a product's upper word, in its units: what is cut and what the product leaves out."""
 
 
-def scaled(word: Integers, factor: Integers) -> Integers:
+def scaled(word: IntArray, factor: IntArray) -> IntArray:
     """A non-negative 32-bit word times a factor of 2^-30, by the board's product."""
     return WHOLE.of(factor, word) >> WORD_BITS - 8 * WHOLE.least
 
 
-def high(difference: Integers, constant: int) -> Integers:
+def high(difference: IntArray, constant: int) -> IntArray:
     """2^-32 of a product of a signed with an unsigned 32-bit number."""
     return WHOLE.of(difference, np.full(difference.shape, constant, dtype=np.int64)) >> _WHOLE_SHIFT
 
@@ -100,7 +99,7 @@ class FactorProgram:
     error: float
     label: str
 
-    def word(self, told: Integers) -> Integers:
+    def word(self, told: IntArray) -> IntArray:
         """The factor's word for told values in thousandths, any shape."""
         if self.coefficients:
             return self._horner(told)
@@ -111,9 +110,9 @@ class FactorProgram:
             made = np.where(told < piece.end, value, made)  # elsewhere the change means nothing
         return made
 
-    def _horner(self, told: Integers) -> Integers:
+    def _horner(self, told: IntArray) -> IntArray:
         share = high((told - self.low) << self.left, self.scale)
-        value: NDArray[np.int64] = np.full(told.shape, self.coefficients[0], dtype=np.int64)
+        value: IntArray = np.full(told.shape, self.coefficients[0], dtype=np.int64)
         for coefficient in self.coefficients[1:]:
             value = coefficient + scaled(share, value)
         return np.maximum(value, 0)

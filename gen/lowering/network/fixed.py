@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from math import ceil, floor, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.lowering.kinds import Integers
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.network.defect import Roundings, magnitudes
 from gen.lowering.network.factors import WORD_BITS, FactorProgram
 from gen.lowering.network.laws import LawProgram
@@ -25,7 +24,6 @@ from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.series import EXTRA_SHIFT, FIRST, WEIGHT, Product
 from gen.lowering.network.terms import Term, Terms
 
-Array = NDArray[np.float64]
 LOW_BITS = 16
 """Of a state's word below what is read."""
 _FIRST_BITS = 32 - 8 * FIRST.unit
@@ -64,7 +62,7 @@ def fraction_bits(ranges: Ranges, offsets: list[float], driven: float = 0.0) -> 
     return 31 - ceil(log2(widest + 1e-6))
 
 
-def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: Array, bits: int) -> FixedFormat:
+def choose_format(terms: Terms, factors: Sequence[FactorProgram], first: FloatArray, bits: int) -> FixedFormat:
     """g of each state: as much as its rates' and heats' words, and the sum of its first order, allow.
 
     Parameters
@@ -123,12 +121,12 @@ def heat_programs(terms: Terms, target: int, shape: FixedFormat, factors: Sequen
         else:
             left = max(0, ceil(log2(max(float(heat.heat.max()), 2.0**-60)) + unit + 1e-9) - 32)
             raised = -left
-        words: Integers = np.rint(heat.heat * 2.0 ** (unit + raised)).astype(np.int64)
+        words: IntArray = np.rint(heat.heat * 2.0 ** (unit + raised)).astype(np.int64)
         made.append(HeatProgram(heat, np.minimum(words, 2**32 - 1), left))
     return made
 
 
-def series_bits(terms: Terms, first: Array, shape: FixedFormat, products: Sequence[Product]) -> tuple[int, ...]:
+def series_bits(terms: Terms, first: FloatArray, shape: FixedFormat, products: Sequence[Product]) -> tuple[int, ...]:
     """Fraction bits of y1, y2, .. as the next term's product takes them: each word, each difference and each sum fits.
 
     Parameters
@@ -161,7 +159,11 @@ def sum_bits(products: Sequence[Product], series: Sequence[int], bits: int, orde
 
 
 def fit(
-    shape: FixedFormat, products: Sequence[Product], series: Sequence[int], first: Array, words: Sequence[Array]
+    shape: FixedFormat,
+    products: Sequence[Product],
+    series: Sequence[int],
+    first: FloatArray,
+    words: Sequence[FloatArray],
 ) -> bool:
     """Whether every sum fits its bytes, and every y its word with room for the difference of two.
 
@@ -216,7 +218,7 @@ def roundings(
             exact, off = exact * largest, off * (largest + factors[k].error) + exact * factors[k].error
         return off
 
-    def rate(order: int, term: Term) -> Array:
+    def rate(order: int, term: Term) -> FloatArray:
         unit = 2.0 ** -(32 + shape.shifts[term.target])
         # A word is rounded to nearest, raised; each product with a factor is cut, and leaves out less than a unit.
         own = 0.5 * unit + 1.1 * len(term.factors) * unit
@@ -229,7 +231,7 @@ def roundings(
             return np.asarray(own + cut + term.rate * most, dtype=np.float64)
         return np.asarray(own + cut + term.rate * relative(term.factors), dtype=np.float64)
 
-    def summed(order: int, state: int, magnitude: Array) -> Array:
+    def summed(order: int, state: int, magnitude: FloatArray) -> FloatArray:
         unit = 2.0 ** -(sum_bits(products, series, shape.bits, order) - EXTRA_SHIFT.get(order, 0) + shape.shifts[state])
         # A third or a fifth is taken of the word before, so that the sum's own error is not divided by it.
         whole = order if order in WEIGHT else 1

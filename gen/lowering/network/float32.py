@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.network.defect import Roundings
 from gen.lowering.network.factors import FactorProgram
 from gen.lowering.network.laws import LawProgram
@@ -19,7 +19,6 @@ from gen.lowering.network.program import HeatProgram, TermProgram
 from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.terms import Term, Terms
 
-Array = NDArray[np.float64]
 LOW_BITS = 8
 """Of a state's word below what is read."""
 UNIT = 2.0**-24
@@ -43,7 +42,7 @@ def roundings(
     ranges: Ranges,
     bits: int,
     factors: tuple[FactorProgram, ...],
-    first: Array,
+    first: FloatArray,
     orders: int,
     laws: Sequence[LawProgram] = (),
 ) -> Roundings:
@@ -53,7 +52,7 @@ def roundings(
     def relative(own: tuple[int, ...]) -> float:
         return sum(factors[k].error / max(float(terms.spans[k, 1]), 1e-30) + 2.0 * UNIT for k in own)
 
-    def rate(order: int, term: Term) -> Array:
+    def rate(order: int, term: Term) -> FloatArray:
         largest = term.rate * terms.largest(term.factors)
         if term.law is not None and order > 1:
             # Times the slope at words that are rounded down, as float32, rounded once more.
@@ -62,7 +61,7 @@ def roundings(
             return np.asarray(largest * more * (1.0 + 1e-6), dtype=np.float64)
         return np.asarray(largest * (relative(term.factors) + UNIT) * (1.0 + 1e-6), dtype=np.float64)
 
-    def gathered(count: int, magnitude: Array) -> Array:
+    def gathered(count: int, magnitude: FloatArray) -> FloatArray:
         """Each product, the conversion of its difference, and each addition."""
         return np.asarray(magnitude * ((count + 2) * UNIT * (1.0 + 1e-6)), dtype=np.float64)
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log2
 
-from gen.lowering.kinds import Integers
+from gen.arrays import IntArray
 from gen.lowering.network.series import WHOLE
 from gen.model.network_parts import Sensor
 
@@ -47,7 +47,7 @@ class Gain:
         """Whether g is negative."""
         return self.error < 0.0
 
-    def over(self, temperature: Integers, ambient: Integers) -> Integers:
+    def over(self, temperature: IntArray, ambient: IntArray) -> IntArray:
         """What the shares are of, in words, any shape."""
         base = ambient if self.about_ambient else 0 * ambient
         return base - temperature if self.opposite else temperature - base
@@ -93,9 +93,9 @@ def lower_gains(sensors: Sequence[Sensor]) -> tuple[list[Gain | None], GainForma
     ], shape
 
 
-def share(over: Integers, part: int, bits: int) -> Integers:
+def share(over: IntArray, part: int, bits: int) -> IntArray:
     """A share of words, to nearest, any shape; `part` counts in 2^-bits."""
-    made: Integers = (WHOLE.of(over, 0 * over + part) + (1 << (bits - _SPARE - 1))) >> bits - _SPARE
+    made: IntArray = (WHOLE.of(over, 0 * over + part) + (1 << (bits - _SPARE - 1))) >> bits - _SPARE
     return made
 
 

@@ -13,8 +13,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from gen.arrays import IntArray
 from gen.errors import CheckFailed
-from gen.lowering.kinds import Integers
 from gen.lowering.network.factors import CUT, SHARE_BITS, WORD_BITS, filling, high, scaled
 from gen.lowering.network.ranges import Ranges
 from gen.lowering.network.terms import PathLaw, Terms
@@ -58,7 +58,7 @@ class LawProgram:
 
     kind: ClassVar[str]
 
-    def evaluate(self, one: Integers, other: Integers) -> tuple[Integers, Integers]:
+    def evaluate(self, one: IntArray, other: IntArray) -> tuple[IntArray, IntArray]:
         """What drives heat from the first end to the second one, as a temperature's word, and its slope.
 
         Parameters
@@ -87,7 +87,7 @@ class ConvectionProgram(LawProgram):
 
     kind: ClassVar[str] = "convection"
 
-    def evaluate(self, one: Integers, other: Integers) -> tuple[Integers, Integers]:  # noqa: D102
+    def evaluate(self, one: IntArray, other: IntArray) -> tuple[IntArray, IntArray]:  # noqa: D102
         difference = one - other
         share = high(np.abs(difference) << self.left, self.share)
         value = scaled(share, _horner(self.driving, share)) << self.up
@@ -115,7 +115,7 @@ class RadiationProgram(LawProgram):
 
     kind: ClassVar[str] = "radiation"
 
-    def evaluate(self, one: Integers, other: Integers) -> tuple[Integers, Integers]:  # noqa: D102
+    def evaluate(self, one: IntArray, other: IntArray) -> tuple[IntArray, IntArray]:  # noqa: D102
         half = 1 << self.drop >> 1
         warm, cold = (((word + half >> self.drop) + self.zero) << self.left for word in (one, other))
         square, beside = scaled(warm, warm), scaled(cold, cold)
@@ -124,7 +124,7 @@ class RadiationProgram(LawProgram):
         return driving, scaled(np.full(one.shape, self.slopes, dtype=np.int64), scaled(warm, square))
 
 
-def _horner(coefficients: Sequence[int], share: Integers) -> Integers:
+def _horner(coefficients: Sequence[int], share: IntArray) -> IntArray:
     value = np.full(share.shape, coefficients[0], dtype=np.int64)
     for coefficient in coefficients[1:]:
         value = coefficient + scaled(share, value)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import ceil, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.errors import CheckFailed
 from gen.lowering.effects.program import Channel
@@ -91,7 +91,7 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
     return made
 
 
-def _at_start(weights: NDArray[np.float64]) -> tuple[NDArray[np.int64], int]:
+def _at_start(weights: FloatArray) -> tuple[IntArray, int]:
     """Weights of sensed nodes in hidden ones' starts as 32-bit words, and their bits: no sum of a row overflows."""
     most = float(weights[:, :-1].sum(axis=1).max(initial=0.0))
     bits = 32 - max(0, ceil(log2(max(most, 1.0) * (1.0 - 2.0**-40))))

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray, SingleArray
 from gen.lowering.effects.program import Channel
-from gen.lowering.kinds import Arithmetic, Integers
+from gen.lowering.kinds import Arithmetic
 from gen.lowering.network.factors import FactorProgram
 from gen.lowering.network.gains import Gain, GainFormat
 from gen.lowering.network.laws import LawProgram
@@ -17,8 +17,7 @@ from gen.lowering.network.series import Product
 from gen.lowering.network.terms import Term, Warmth, identifier
 from gen.lowering.recursion.guarantee import rounded_up
 
-Array = NDArray[np.float64]
-Words = Integers | NDArray[np.float32]
+Words = IntArray | SingleArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +141,10 @@ class NetworkProof:
         By which the ends are more than the exact temperatures reach, K.
     """
 
-    low: Array
-    high: Array
-    error: Array
-    defect: Array
+    low: FloatArray
+    high: FloatArray
+    error: FloatArray
+    defect: FloatArray
     margin: float
 
 
@@ -242,7 +241,7 @@ class NetworkProgram:
     states: tuple[StateProgram, ...]
     readings: tuple[Reading, ...]
     gains: GainFormat | None
-    rest: Integers
+    rest: IntArray
     rest_bits: int
     hidden: tuple[int, ...]
     factors: tuple[FactorProgram, ...]

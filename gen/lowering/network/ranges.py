@@ -11,14 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.network.terms import Term, Terms, drifting_sensor, lagging_reading, scaled, slope_of
 from gen.model import ThermalModel
 from gen.model.network import Network
 from gen.model.network_parts import Node
 
-Array = NDArray[np.float64]
 _NEWTON_STEPS = 60
 _SETTLED_K = 1e-9
 """By how much Newton's last step may move: claims are wider by far more."""
@@ -43,8 +42,8 @@ class Ranges:
         By which that is more than the exact temperatures reach, K.
     """
 
-    low: Array
-    high: Array
+    low: FloatArray
+    high: FloatArray
     ambient: tuple[float, float]
     margin: float
 
@@ -80,7 +79,7 @@ def reachable(model: ThermalModel, terms: Terms) -> Ranges | None:
     return Ranges(low - margin, high + margin, ambient, margin)
 
 
-def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> tuple[Array, Array]:
+def _starts(model: ThermalModel, terms: Terms, sensed: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Least and largest start of each state, degC; hidden nodes may start outside of what sensed ones do.
 
     No sensor has drifted at a start.
@@ -138,7 +137,7 @@ def widest_start(network: Network, ranges: Ranges) -> float:
     return float(max(rises) * (max(ends) - min(ends)) + max(map(abs, ranges.ambient)))
 
 
-def _bounding(terms: Terms, ambient: float, start: Array, *, upper: bool = True) -> Array | None:
+def _bounding(terms: Terms, ambient: float, start: FloatArray, *, upper: bool = True) -> FloatArray | None:
     """The least U >= start with M U + a ambient + f <= 0, or the greatest L <= start with the other sign."""
     if not terms.laws:
         return _bounded(terms, ambient, start, None, upper=upper)
@@ -153,7 +152,9 @@ def _bounding(terms: Terms, ambient: float, start: Array, *, upper: bool = True)
     return None
 
 
-def _bounded(terms: Terms, ambient: float, start: Array, at: Array | None, *, upper: bool) -> Array | None:
+def _bounded(
+    terms: Terms, ambient: float, start: FloatArray, at: FloatArray | None, *, upper: bool
+) -> FloatArray | None:
     """The same with every law as it is near some temperatures of the states, if there are any laws."""
     rows, right = [], []
     for target in range(len(terms.states)):
@@ -167,11 +168,11 @@ def _bounded(terms: Terms, ambient: float, start: Array, at: Array | None, *, up
     return _least(matrix, limit, start) if upper else _negated(_least(matrix, -limit, -start))
 
 
-def _negated(found: Array | None) -> Array | None:
+def _negated(found: FloatArray | None) -> FloatArray | None:
     return None if found is None else -found
 
 
-def _least(matrix: Array, limit: Array, start: Array) -> Array | None:
+def _least(matrix: FloatArray, limit: FloatArray, start: FloatArray) -> FloatArray | None:
     """The least U with matrix U <= limit and U >= start, all entries at once; none larger than 1e6."""
     from scipy.optimize import linprog  # slow to import: reading and checking a file does without
 
@@ -183,8 +184,8 @@ def _least(matrix: Array, limit: Array, start: Array) -> Array | None:
 
 
 def matrix_row(
-    terms: Terms, target: int, corner: dict[int, float], ambient: float, at: Array | None = None
-) -> tuple[Array, Array]:
+    terms: Terms, target: int, corner: dict[int, float], ambient: float, at: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """One state's row of h M, shape (rows, n), and the rest h (a T_ambient + f), shape (rows,).
 
     Parameters
@@ -224,7 +225,7 @@ def matrix_row(
     return row, rest
 
 
-def speeds(terms: Terms, ranges: Ranges) -> Array:
+def speeds(terms: Terms, ranges: Ranges) -> FloatArray:
     """Largest magnitude of h (M T + f) in the ranges by row of the domain and state, K per sample, shape (rows, n)."""
     found = []
     for target in range(len(terms.states)):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from gen.lowering.kinds import Integers
+from gen.arrays import IntArray
 
 EXTRA_SHIFT: Final = {2: 1, 3: 0, 4: 2, 5: 0}
 """By the series' term k: a half and a fourth are shifts of the sum, a third and a fifth are of the term before."""
@@ -83,9 +83,9 @@ class Product:
         adding = sum(3 * len(chain) - 1 + self.sum_bytes - max(0, sum(chain[0]) - self.unit) for chain in self.chains)
         return adding + 5.0 + 4.5 * self.width
 
-    def of(self, difference: Integers, rate: Integers) -> Integers:
+    def of(self, difference: IntArray, rate: IntArray) -> IntArray:
         """Its value; the difference within the signed, the rate within the unsigned numbers of `width` bytes."""
-        total: Integers = difference * rate
+        total: IntArray = difference * rate
         for i in range(self.least):  # byte i times the rate's bytes that with it come below the least place
             total = total - ((difference >> 8 * i & 0xFF) * (rate & (1 << 8 * (self.least - i)) - 1) << 8 * i)
         for i, j in self.places if self.cut else ():
@@ -94,7 +94,7 @@ class Product:
         return total >> 8 * self.unit
 
 
-def _bytes(difference: Integers, i: int, rate: Integers, j: int) -> Integers:
+def _bytes(difference: IntArray, i: int, rate: IntArray, j: int) -> IntArray:
     return (difference >> 8 * i & 0xFF) * (rate >> 8 * j & 0xFF)
 
 

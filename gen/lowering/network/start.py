@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, floor
 
+from gen.arrays import IntArray
 from gen.errors import CheckFailed
-from gen.lowering.kinds import Integers
 from gen.lowering.network.series import WHOLE
 from gen.model import ThermalModel
 
@@ -56,7 +56,7 @@ def start_range_mC(model: ThermalModel) -> tuple[int, int]:
     return low, high
 
 
-def degrees(thousandths: Integers, scale: DegreeScale) -> Integers:
+def degrees(thousandths: IntArray, scale: DegreeScale) -> IntArray:
     """Words of temperatures in thousandths of a degree Celsius, any shape."""
-    result: Integers = (WHOLE.of(thousandths << scale.left, 0 * thousandths + scale.factor) + scale.half) >> scale.shift
+    result: IntArray = (WHOLE.of(thousandths << scale.left, 0 * thousandths + scale.factor) + scale.half) >> scale.shift
     return result

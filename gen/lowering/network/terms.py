@@ -13,15 +13,14 @@ from math import prod
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion.dynamics import domain_rows
 from gen.model import ThermalModel
 from gen.model.laws import Law
 from gen.model.network import Network
 from gen.model.network_parts import Factor
 
-Array = NDArray[np.float64]
 Source = Literal["state", "ambient", "reference"]
 _GRID = 257
 """Values of a channel at which a factor's ends are looked for, beside the points of its table."""
@@ -102,7 +101,7 @@ class Term:
     other: int
     reference: float
     growing: bool
-    rate: Array
+    rate: FloatArray
     factors: tuple[int, ...]
     label: str
     law: PathLaw | None = None
@@ -125,7 +124,7 @@ class Warmth:
     """
 
     target: int
-    heat: Array
+    heat: FloatArray
     factors: tuple[int, ...]
     label: str
 
@@ -152,7 +151,7 @@ class Terms:
     terms: tuple[Term, ...]
     heats: tuple[Warmth, ...]
     factors: tuple[Factor, ...]
-    spans: Array
+    spans: FloatArray
     laws: tuple[PathLaw, ...] = ()
 
     def of(self, target: int) -> tuple[Term, ...]:
@@ -196,7 +195,7 @@ class Terms:
         return prod((float(self.spans[k, 1]) for k in factors), start=1.0)
 
     @cached_property
-    def most(self) -> tuple[Array, ...]:
+    def most(self) -> tuple[FloatArray, ...]:
         """Largest change of each term's target for each kelvin, per sample by row of the domain, shape (rows,) each."""
         slopes = (1.0 if term.law is None else term.law.slopes[1] for term in self.terms)
         return tuple(
@@ -229,7 +228,7 @@ def identifier(state: str) -> str:
     return f"{_INITIALS[of]}_{node}"
 
 
-def scaled(part: Term | Warmth, corner: dict[int, float]) -> Array:
+def scaled(part: Term | Warmth, corner: dict[int, float]) -> FloatArray:
     """A term's rate, or a heat, by row of the domain, with factors as a corner has them."""
     values = part.rate if isinstance(part, Term) else part.heat
     return np.asarray(values * prod((corner[k] for k in part.factors), start=1.0), dtype=np.float64)
@@ -295,7 +294,7 @@ def terms_of(model: ThermalModel) -> Terms:
     return Terms(tuple(names), tuple(terms), tuple(heats), tuple(factors), _spans(network, factors), tuple(laws))
 
 
-def _spans(network: Network, factors: list[Factor]) -> Array:
+def _spans(network: Network, factors: list[Factor]) -> FloatArray:
     spans = np.ones((len(factors), 2))
     for k, factor in enumerate(factors):
         channel = network.channel(factor.channel)

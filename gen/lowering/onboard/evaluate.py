@@ -8,36 +8,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent, Step
 from gen.model.dynamics import MAX_PWM
-
-Integers = NDArray[np.int64]
 
 
 class RangeError(ArithmeticError):
     """A step leaves its word: the tape is wrong."""
 
 
-def mul_shift(a: Integers, b: Integers, shift: int) -> Integers:
+def mul_shift(a: IntArray, b: IntArray, shift: int) -> IntArray:
     """Bits 32-shift and up of a b without the product of the lowest bytes, to nearest; b >= 0, shift 0..7."""
     product = a * b - (a & 0xFF) * (b & 0xFF)
-    result: Integers = (product + (1 << (31 - shift))) >> (32 - shift)
+    result: IntArray = (product + (1 << (31 - shift))) >> (32 - shift)
     return result
 
 
-def mul_byte(a: Integers, x: Integers, shift: int) -> Integers:
+def mul_byte(a: IntArray, x: IntArray, shift: int) -> IntArray:
     """a x / 2^(8-shift) to nearest, x 0..255, shift 0..8."""
-    result: Integers = (a * x * (1 << shift) + 128) >> 8
+    result: IntArray = (a * x * (1 << shift) + 128) >> 8
     return result
 
 
-def wrapped(value: Integers) -> Integers:
+def wrapped(value: IntArray) -> IntArray:
     """Modulo 2^32, as a signed number."""
-    result: Integers = ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
+    result: IntArray = ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
     return result
 
 
-def divide(a: Integers, b: Integers, shift: int, *, rounded: bool) -> Integers:
+def divide(a: IntArray, b: IntArray, shift: int, *, rounded: bool) -> IntArray:
     """a 2^shift / b, to nearest (ties away from zero) or towards zero.
 
     Raises
@@ -65,7 +64,7 @@ def _check_quotient(quotient: NDArray[np.uint64]) -> None:
         raise RangeError("a quotient has more than 31 bits")
 
 
-def power_series(coefficients: Sequence[float] | Integers, u: Integers) -> Integers:
+def power_series(coefficients: Sequence[float] | IntArray, u: IntArray) -> IntArray:
     """Horner's rule in 40 bits, u 0..255 in units of 2^-8; the result has 8 bits less.
 
     Coefficients are numbers, or arrays of one number for each u.
@@ -79,17 +78,17 @@ def power_series(coefficients: Sequence[float] | Integers, u: Integers) -> Integ
         if np.min(coefficient) < -(1 << 39) or np.max(coefficient) >= 1 << 39:
             raise RangeError("a coefficient of a power series has more than 40 bits")
     first, *others = (np.asarray(c).astype(np.int64) for c in coefficients)
-    total: Integers = np.broadcast_to(first, u.shape)
+    total: IntArray = np.broadcast_to(first, u.shape)
     for coefficient in others:
         total = (total * u >> 8) + coefficient
         if total.size and (total.min() < -(1 << 39) or total.max() >= (1 << 39) - (1 << (GUARD_BITS - 1))):
             raise RangeError("a power series leaves its 40 bits")
-    result: Integers = (total + (1 << (GUARD_BITS - 1))) >> GUARD_BITS
+    result: IntArray = (total + (1 << (GUARD_BITS - 1))) >> GUARD_BITS
     return result
 
 
 def evaluate(
-    component: OnboardComponent, pwm: NDArray[np.int64], tables: Mapping[int, Integers] | None = None
+    component: OnboardComponent, pwm: IntArray, tables: Mapping[int, IntArray] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Run the tape.
 
@@ -131,23 +130,23 @@ def evaluate(
     return np.stack([values[r] for r in component.rates], axis=1), values[component.steady]
 
 
-def _check(value: Integers, step: Step) -> None:
+def _check(value: IntArray, step: Step) -> None:
     low, high = (0, 1 << 32) if step.unsigned else (-(1 << 31), 1 << 31)
     if value.size and (value.min() < low or value.max() >= high):
         raise RangeError(f"{step.op} ({step.label.text}) leaves its 32 bits")
 
 
-def _whole_number(step: Step, x: Integers, args: list[Integers]) -> Integers:
+def _whole_number(step: Step, x: IntArray, args: list[IntArray]) -> IntArray:
     knots = np.array(step.table, dtype=np.int64)
     if step.op == "input":
         return np.clip(x, knots[0], knots[1])
     if step.op == "segment":
         return np.clip(np.searchsorted(knots, args[0], side="right") - 1, 0, len(knots) - 2)
-    held: Integers = np.clip(args[0], knots[0], knots[-1]) - knots[args[1]]
+    held: IntArray = np.clip(args[0], knots[0], knots[-1]) - knots[args[1]]
     return held
 
 
-def _fixed_step(step: Step, table: Integers, x: Integers, args: list[Integers]) -> Integers:
+def _fixed_step(step: Step, table: IntArray, x: IntArray, args: list[IntArray]) -> IntArray:
     """One step with a table, of shape (entries,) or (entries, m)."""
     match step.op:
         case "constant":
@@ -184,14 +183,14 @@ def _fixed_step(step: Step, table: Integers, x: Integers, args: list[Integers]) 
     return result
 
 
-def _shifted(step: Step, a: Integers) -> Integers:
+def _shifted(step: Step, a: IntArray) -> IntArray:
     """To the right to nearest or rounded down, or to the left."""
     if step.op == "shl":
         return a << step.shift
     return a >> step.shift if step.op == "floor" else ((a >> (step.shift - 1)) + 1) >> 1
 
 
-def _sum(step: Step, a: Integers, b: Integers) -> Integers:
+def _sum(step: Step, a: IntArray, b: IntArray) -> IntArray:
     """A sum or difference, modulo 2^32 where the step says so."""
     result = a - b if step.op.startswith("sub") else a + b
     if not step.op.endswith("modulo"):
@@ -199,7 +198,7 @@ def _sum(step: Step, a: Integers, b: Integers) -> Integers:
     return result & 0xFFFFFFFF if step.unsigned else wrapped(result)
 
 
-def _float_step(step: Step, x: Integers, args: list[NDArray[Any]]) -> NDArray[Any]:
+def _float_step(step: Step, x: IntArray, args: list[NDArray[Any]]) -> NDArray[Any]:
     single = np.float32
     table = np.array(step.table, dtype=single)
     match step.op:

@@ -15,13 +15,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.onboard.interpolate import PowerSeries
 from gen.model.dynamics import MAX_PWM
 from gen.model.schedules import EXACT
-
-Array = NDArray[np.float64]
 
 #: Nodes whose value is a whole number 0..255 in a byte of its own: |PWM| held to a range, the place in a table.
 INTEGERS = frozenset({"input", "segment", "local"})
@@ -77,10 +75,10 @@ class Graph:
         |PWM| of the domain, in ascending order.
     """
 
-    def __init__(self, rows: NDArray[np.int64]) -> None:
+    def __init__(self, rows: IntArray) -> None:
         self.rows = rows
         self.nodes: list[Node] = []
-        self.values: list[Array] = []
+        self.values: list[FloatArray] = []
         self.labels: dict[int, Label] = {}
         self._known: dict[Node, int] = {}
 
@@ -276,7 +274,7 @@ class Graph:
     def _positive(self, node: int) -> int | None:
         return self.nodes[node].args[0] if self.nodes[node].op == "neg" else None
 
-    def _node(self, node: Node, values: Array) -> int:
+    def _node(self, node: Node, values: FloatArray) -> int:
         if node not in self._known:
             self._known[node] = len(self.nodes)
             self.nodes.append(node)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from decimal import Decimal, localcontext
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.onboard.graph import Graph
 from gen.lowering.onboard.interpolate import PowerSeries, power_series
 from gen.model import ExponentialSum, Polynomial, Schedule, Table
@@ -83,7 +83,7 @@ def _build(
     return graph.label(node, text, "times the sample's power", path)
 
 
-def _has_both_signs(schedule: Schedule, x: NDArray[np.float64]) -> bool:
+def _has_both_signs(schedule: Schedule, x: FloatArray) -> bool:
     values = schedule(x)
     return bool(np.any(values < 0.0) and np.any(values > 0.0))
 

@@ -12,13 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.lowering.onboard.evaluate import Integers, RangeError, evaluate
+from gen.arrays import FloatArray, IntArray
+from gen.lowering.onboard.evaluate import RangeError, evaluate
 from gen.lowering.onboard.tape import GUARD_BITS, OnboardComponent
 from gen.lowering.recursion import increments
-
-Array = NDArray[np.float64]
 
 _ROUNDS = 20
 #: In units of an entry, for a power series quarters of a unit of its result.
@@ -49,10 +47,10 @@ class _Goal:
     """What is brought down: sum_i weights[i] abs(C[i] - exact C[i]) at each PWM of the domain."""
 
     lowest: int
-    exact_c: Array
-    weights: Array
+    exact_c: FloatArray
+    weights: FloatArray
 
-    def costs(self, component: OnboardComponent, pwm: NDArray[np.int64], tables: dict[int, Integers]) -> Array:
+    def costs(self, component: OnboardComponent, pwm: IntArray, tables: dict[int, IntArray]) -> FloatArray:
         """The sums at PWM, shape (m,), with the tables of :func:`evaluate`.
 
         Raises
@@ -64,11 +62,11 @@ class _Goal:
         rates, _ = evaluate(component, pwm, tables)
         row = pwm - self.lowest
         board = increments.from_rates(rates * 2.0 ** -np.array(component.layout.rate_fraction_bits))
-        found: Array = (self.weights[row] * np.abs(board - self.exact_c[row])).sum(axis=1)
+        found: FloatArray = (self.weights[row] * np.abs(board - self.exact_c[row])).sum(axis=1)
         return found
 
 
-def tuned(component: OnboardComponent, exact_c: Array, weights: Array) -> OnboardComponent:
+def tuned(component: OnboardComponent, exact_c: FloatArray, weights: FloatArray) -> OnboardComponent:
     """The component with tables that bring max over PWM of sum_i weights[i] abs(C[i] - exact C[i]) down.
 
     Every round makes the one change of an entry that helps most, until none does.
@@ -101,7 +99,7 @@ def tuned(component: OnboardComponent, exact_c: Array, weights: Array) -> Onboar
     return component
 
 
-def _worst(component: OnboardComponent, goal: _Goal, pwm: NDArray[np.int64]) -> float:
+def _worst(component: OnboardComponent, goal: _Goal, pwm: IntArray) -> float:
     try:
         return float(goal.costs(component, pwm, {}).max())
     except RangeError:  # an entry at the end of its word
@@ -109,7 +107,7 @@ def _worst(component: OnboardComponent, goal: _Goal, pwm: NDArray[np.int64]) -> 
 
 
 def _helpful(
-    component: OnboardComponent, goal: _Goal, domain: NDArray[np.int64], costs: Array
+    component: OnboardComponent, goal: _Goal, domain: IntArray, costs: FloatArray
 ) -> list[tuple[float, int, _Change]]:
     """Changes that lower the largest of the costs where they are largest, in ascending order of what is left there.
 
@@ -138,9 +136,7 @@ def _changes(component: OnboardComponent) -> list[_Change]:
     return found
 
 
-def _side_by_side(
-    component: OnboardComponent, goal: _Goal, pwm: NDArray[np.int64], changes: list[_Change]
-) -> NDArray[np.float64]:
+def _side_by_side(component: OnboardComponent, goal: _Goal, pwm: IntArray, changes: list[_Change]) -> FloatArray:
     """The largest cost at some PWM with each change, shape (changes,); infinite where a word overflows."""
     if not changes:
         return np.empty(0)
@@ -152,13 +148,13 @@ def _side_by_side(
         middle = len(changes) // 2
         halves = [_side_by_side(component, goal, pwm, part) for part in (changes[:middle], changes[middle:])]
         return np.concatenate(halves)
-    largest: NDArray[np.float64] = found.reshape(len(changes), len(pwm)).max(axis=1)
+    largest: FloatArray = found.reshape(len(changes), len(pwm)).max(axis=1)
     return largest
 
 
-def _tables(component: OnboardComponent, each: int, changes: list[_Change]) -> dict[int, Integers]:
+def _tables(component: OnboardComponent, each: int, changes: list[_Change]) -> dict[int, IntArray]:
     """The tables that some of the changes concern, by step: ``each`` columns with every one of the changes."""
-    found: dict[int, Integers] = {}
+    found: dict[int, IntArray] = {}
     for lane, change in enumerate(changes):
         if change.step not in found:
             own = np.array(component.steps[change.step].table, dtype=np.int64)

@@ -16,16 +16,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.dynamics import Dynamics
 from gen.lowering.recursion.guarantee import Invariant
 from gen.lowering.recursion.no_proof import NoProofError
 from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.lowering.recursion.reach_set import ReachSet
-
-Array = NDArray[np.float64]
 
 #: The error itself may widen the ranges by this share; checked when the error is known.
 _WIDENING = 1e-3
@@ -58,9 +56,9 @@ class StateRanges:
     """
 
     rise: tuple[float, float]
-    magnitude: Array
-    distance: Array
-    true_distance: Array
+    magnitude: FloatArray
+    distance: FloatArray
+    true_distance: FloatArray
 
 
 def state_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> StateRanges:
@@ -90,12 +88,12 @@ class InnerRanges:
         Largest |q|.
     """
 
-    sums: Array
-    products: Array
+    sums: FloatArray
+    products: FloatArray
     drive: float
 
     @property
-    def largest(self) -> Array:
+    def largest(self) -> FloatArray:
         """The larger of sum and product at each place, shape (n,)."""
         return np.maximum(self.sums, self.products)
 
@@ -116,7 +114,7 @@ def inner_ranges(recursion: SwitchedRecursion, exact: Dynamics) -> InnerRanges:
     error = _WIDENING * _ranges(exact, reach.axes).true_distance.min(axis=0)
     widening = np.abs(exact.state_maps()) @ error
 
-    def largest(directions: Array) -> float:
+    def largest(directions: FloatArray) -> float:
         true = np.einsum("pi,pij->pj", directions, exact.state_maps())
         away = np.abs(true[:, 0]) * exact.away
         return float((reach.extents(true) + away + np.einsum("pi,pi->p", np.abs(directions), widening)).max())
@@ -190,11 +188,11 @@ def worst_error(
     exact: Dynamics,
     ranges: StateRanges,
     *,
-    changed_c: Array,
-    q_error: Array,
-    chain_error: Array,
+    changed_c: FloatArray,
+    q_error: FloatArray,
+    chain_error: FloatArray,
     start_error: float,
-    carry_error: Array | float = 0.0,
+    carry_error: FloatArray | float = 0.0,
     carry: float = increments.CARRY,
 ) -> WorstError:
     """Largest |x1 - T| for any PWM sequence.
@@ -225,7 +223,7 @@ def worst_error(
     """
     n, rows = exact.order, len(exact.steady)
     state_maps = exact.state_maps(carry)
-    from_board: Array = np.asarray(np.linalg.inv(state_maps), dtype=np.float64)
+    from_board: FloatArray = np.asarray(np.linalg.inv(state_maps), dtype=np.float64)
     disturbance = np.zeros((rows, 2 * n + 2, n))
     coefficients = np.einsum("pj,pj->p", np.abs(changed_c), ranges.distance)
     q_total = q_error + coefficients
@@ -254,7 +252,7 @@ def worst_error(
     return WorstError.of(error, output_error(recursion, exact, state_maps))
 
 
-def output_error(recursion: SwitchedRecursion, exact: Dynamics, state_maps: Array) -> float:
+def output_error(recursion: SwitchedRecursion, exact: Dynamics, state_maps: FloatArray) -> float:
     """How far the board's x1 is from the rise where nothing is rounded: its share of the increments, in K.
 
     Raises
@@ -269,7 +267,7 @@ def output_error(recursion: SwitchedRecursion, exact: Dynamics, state_maps: Arra
     return float((reach.extents(beside) + away + np.abs(beside) @ error).max())
 
 
-def carried_over(exact: Dynamics, from_board: Array, carried: Array) -> Array:
+def carried_over(exact: Dynamics, from_board: FloatArray, carried: FloatArray) -> FloatArray:
     """What an error of the carry is after its sample, in the true state's coordinates, shape (rows, n).
 
     The carry comes before the sample, and is read with the new PWM's map: y moves by M^-1 times the error, and then
@@ -282,11 +280,11 @@ def carried_over(exact: Dynamics, from_board: Array, carried: Array) -> Array:
     carried
         The error of the board's state, shape (rows, n).
     """
-    found: Array = np.einsum("pij,pjk,pk->pi", exact.exact, from_board, carried)
+    found: FloatArray = np.einsum("pij,pjk,pk->pi", exact.exact, from_board, carried)
     return found
 
 
-def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
+def _ranges(exact: Dynamics, extents: FloatArray) -> StateRanges:
     true_distance = np.tile(extents, (len(exact.steady), 1))
     true_distance[:, 0] = extents[0] + exact.away
     # The share of q that a board carries is 1/12 but for its rounding, which moves nothing by more than the widening.
@@ -298,13 +296,13 @@ def _ranges(exact: Dynamics, extents: Array) -> StateRanges:
     return StateRanges(rise, magnitude, distance, true_distance)
 
 
-def _peak_response(matrices: Array) -> Array:
+def _peak_response(matrices: FloatArray) -> FloatArray:
     """Largest magnitude of each coordinate on the way from (1, 0, ..) to 0, for matrices and result of shape (m, n)."""
     slowest = np.asarray(-np.log(np.abs(np.linalg.eigvals(matrices))).min(axis=1), dtype=np.float64)
     strides = np.maximum(1, (_STRIDE / slowest).astype(np.int64))
     turns = np.stack([np.linalg.matrix_power(*pair) for pair in zip(matrices, strides.tolist(), strict=True)])
     state = np.tile(np.eye(matrices.shape[1])[0], (len(matrices), 1))
-    peak: Array = np.abs(state)
+    peak: FloatArray = np.abs(state)
     for _ in range(_STRIDES):
         state = np.einsum("pij,pj->pi", turns, state)
         peak = np.maximum(peak, np.abs(state))

@@ -7,14 +7,11 @@ from functools import lru_cache
 from math import ceil, floor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.lowering.recursion import increments
 from gen.lowering.recursion.reach import SwitchedRecursion
 from gen.model import Component, ThermalModel
-
-Array = NDArray[np.float64]
-
 
 #: How much of the way to the middle of what x1 settles to the centre lies where the ambient moves: a wider drive counts
 #: for more than a wider start. Any is right; which gives the smallest bound differs, and they are tried in this order.
@@ -45,13 +42,13 @@ class Dynamics:
         One of :data:`TOWARDS_SETTLED`.
     """
 
-    rates: Array
-    c: Array
-    steady: Array
-    form: Array
-    exact: Array
+    rates: FloatArray
+    c: FloatArray
+    steady: FloatArray
+    form: FloatArray
+    exact: FloatArray
     start: tuple[float, float]
-    constant_map: Array | None = None
+    constant_map: FloatArray | None = None
     over: tuple[float, float] = (0.0, 0.0)
     towards_settled: float = TOWARDS_SETTLED[0]
 
@@ -76,7 +73,7 @@ class Dynamics:
         """
         return _recursion(self)
 
-    def state_maps(self, carry: float = increments.CARRY) -> Array:
+    def state_maps(self, carry: float = increments.CARRY) -> FloatArray:
         """The matrices M(p) of :func:`gen.lowering.recursion.increments.state_map`, shape (rows, n, n)."""
         if self.constant_map is None:
             return increments.state_map(self.c, carry)
@@ -95,9 +92,9 @@ class Dynamics:
         return middle + self.towards_settled * ((settled[0] + settled[1]) / 2.0 - middle)
 
     @property
-    def away(self) -> Array:
+    def away(self) -> FloatArray:
         """How far x1 may settle from the centre at each |PWM|, whatever the ambient, in K, shape (rows,)."""
-        found: Array = np.maximum(
+        found: FloatArray = np.maximum(
             np.abs(self.steady + self.over[0] - self.centre), np.abs(self.steady + self.over[1] - self.centre)
         )
         return found
@@ -108,7 +105,7 @@ class Dynamics:
         return floor(self.over[0] * 1000.0), ceil(self.over[1] * 1000.0)
 
 
-def domain_rows(model: ThermalModel) -> NDArray[np.int64]:
+def domain_rows(model: ThermalModel) -> IntArray:
     """|PWM| of each row of the tables."""
     lo, hi = model.domain_pwm
     return np.arange(lo, hi + 1)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, solve_continuous_lyapunov
 from scipy.spatial import ConvexHull
 
+from gen.arrays import FloatArray
 from gen.lowering.recursion.no_proof import NoProofError
-
-Array = NDArray[np.float64]
 
 #: Number of directions on the half sphere by order; the bound tightens slowly with more.
 DIRECTIONS = {1: 1, 2: 90, 3: 900, 4: 1600}
@@ -43,16 +42,16 @@ class Fan:
         A facet at each of them, shape (2 J,).
     """
 
-    directions: Array
-    shape: Array
+    directions: FloatArray
+    shape: FloatArray
     facets: NDArray[np.intp]
     neighbours: NDArray[np.intp]
-    inverse: Array
-    vertices: Array
+    inverse: FloatArray
+    vertices: FloatArray
     any_facet: NDArray[np.intp]
 
     @classmethod
-    def of(cls, order: int, shape: Array) -> Fan:
+    def of(cls, order: int, shape: FloatArray) -> Fan:
         """Directions spread over the half sphere."""
         found = _directions(order, shape)
         both = np.vstack([found, -found])
@@ -65,18 +64,18 @@ class Fan:
     def __len__(self) -> int:
         return len(self.directions)
 
-    def rest(self, targets: Array, weights: Array, vertices: NDArray[np.intp]) -> Array:
+    def rest(self, targets: FloatArray, weights: FloatArray, vertices: NDArray[np.intp]) -> FloatArray:
         """What weights at facets' vertices leave of targets, in the state's coordinates; all of shape (k, n)."""
         count = len(self)
         signed = np.where(vertices < count, weights, -weights)
-        rest: Array = targets - np.einsum("kl,kln->kn", signed, self.directions[vertices % count])
+        rest: FloatArray = targets - np.einsum("kl,kln->kn", signed, self.directions[vertices % count])
         return rest
 
-    def located(self, targets: Array) -> NDArray[np.intp]:
+    def located(self, targets: FloatArray) -> NDArray[np.intp]:
         """The facets that hold round targets, shape (k, n), each found from a facet at the nearest direction."""
         return self.walked(targets, self.any_facet[(targets @ self.vertices.T).argmax(axis=1)])
 
-    def walked(self, targets: Array, facet: NDArray[np.intp]) -> NDArray[np.intp]:
+    def walked(self, targets: FloatArray, facet: NDArray[np.intp]) -> NDArray[np.intp]:
         """The facets that hold round targets, shape (k, n), by steps over the worst face from those given.
 
         The facets are a regular triangulation of the sphere, in which such a walk visits none twice.
@@ -92,7 +91,7 @@ class Fan:
         return facet
 
 
-def round_shape(step: Array) -> Array:
+def round_shape(step: FloatArray) -> FloatArray:
     """A matrix whose columns span a round picture of the recursion's typical response.
 
     The mean matrix's response to a constant drive has a covariance (Lyapunov equation); its Cholesky factor makes
@@ -110,11 +109,11 @@ def round_shape(step: Array) -> Array:
         factor = np.linalg.cholesky((covariance + covariance.T) / 2.0)
     except (LinAlgError, np.linalg.LinAlgError) as error:
         raise NoProofError("the mean of the matrices over PWM is not stable") from error
-    shaped: Array = scale[:, None] * factor
+    shaped: FloatArray = scale[:, None] * factor
     return shaped
 
 
-def _directions(order: int, shape: Array) -> Array:
+def _directions(order: int, shape: FloatArray) -> FloatArray:
     """Unit vectors spread over the half sphere; the coordinate axes of the state are among them."""
     if order == 1:
         return np.ones((1, 1))
@@ -128,7 +127,7 @@ def _directions(order: int, shape: Array) -> Array:
     return np.vstack([axes, points[far]])
 
 
-def _spread(order: int, count: int) -> Array:
+def _spread(order: int, count: int) -> FloatArray:
     index = np.arange(count) + 0.5
     if order == 2:
         angle = np.pi * index / count
@@ -146,11 +145,11 @@ def _spread(order: int, count: int) -> Array:
     points = np.stack(
         [radius * np.sin(alpha), radius * np.cos(alpha), other * np.sin(beta), other * np.cos(beta)], axis=1
     )
-    half: Array = points[points[:, 0] > 0.0]
+    half: FloatArray = points[points[:, 0] > 0.0]
     return half
 
 
-def _facets(points: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _facets(points: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """The facets of the points' convex hull, and the neighbour beyond each vertex's opposite face."""
     if points.shape[1] == 1:
         return np.array([[0], [1]], dtype=np.intp), np.array([[1], [0]], dtype=np.intp)

@@ -6,10 +6,7 @@ from dataclasses import dataclass, field
 from math import ceil, floor, log10
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from gen.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +29,12 @@ class Invariant:
         The directions times this are unit vectors, among whose hull's facets they combine, shape (n, n).
     """
 
-    directions: Array
-    reach: Array
-    error: Array
+    directions: FloatArray
+    reach: FloatArray
+    error: FloatArray
     centre: float
-    map: Array
-    shape: Array
+    map: FloatArray
+    shape: FloatArray
 
 
 @dataclass(frozen=True)

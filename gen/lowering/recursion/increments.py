@@ -40,10 +40,9 @@ from fractions import Fraction
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
-Array = NDArray[np.float64]
+from gen.arrays import FloatArray
 
 #: Poles are at most 0.1/Ts, so the twentieth term of exp is below 1e-38.
 _TAYLOR_TERMS = 20
@@ -68,7 +67,7 @@ _INJECT: dict[int, list[Fraction]] = {
 }
 
 
-def delta_polynomial(denominator: Array, sample_time: float) -> Array:
+def delta_polynomial(denominator: FloatArray, sample_time: float) -> FloatArray:
     """Coefficients b1..bn of prod(delta - (exp(p Ts) - 1)) = delta^n + b1 delta^(n-1) + .. + bn.
 
     Computed in decimal arithmetic as the characteristic polynomial of exp(M) - I, M the companion matrix scaled by
@@ -83,7 +82,7 @@ def delta_polynomial(denominator: Array, sample_time: float) -> Array:
 
     Returns
     -------
-    Array
+    FloatArray
         b1..bn, shape (m, n), dimensionless.
     """
     with localcontext(Context(prec=50)):
@@ -122,7 +121,7 @@ def _delta(alpha: list[Decimal]) -> list[Decimal]:
     return coefficients
 
 
-def feedback(b: Array) -> Array:
+def feedback(b: FloatArray) -> FloatArray:
     """C0..C[n-1] of the increment form whose characteristic polynomial in delta is given by ``b``.
 
     Parameters
@@ -132,7 +131,7 @@ def feedback(b: Array) -> Array:
 
     Returns
     -------
-    Array
+    FloatArray
         C0..C[n-1], shape (m, n).  Derived by eliminating x2..xn from the table in the module's docstring.
     """
     columns = []
@@ -158,28 +157,28 @@ FEEDBACK_FROM_DELTA: dict[int, list[list[Fraction]]] = {
 }
 
 
-def rates(c: Array) -> Array:
+def rates(c: FloatArray) -> FloatArray:
     """Nested rates R0..R[n-1] from C0..C[n-1], shape (m, n); all positive for slow stable poles."""
     nested = np.array(c, dtype=np.float64)
     nested[:, :-1] = c[:, :-1] / c[:, 1:]
     return nested
 
 
-def from_rates(nested: Array) -> Array:
+def from_rates(nested: FloatArray) -> FloatArray:
     """C0..C[n-1] from the nested rates, shape (m, n): the inverse of :func:`rates`."""
     return np.asarray(np.cumprod(nested[:, ::-1], axis=1)[:, ::-1].copy(), dtype=np.float64)
 
 
-def transition(c: Array) -> Array:
+def transition(c: FloatArray) -> FloatArray:
     """The matrix F of one sample, x - s -> F (x - s) with s = (S, 0, ..), shape (m, n, n)."""
     n = c.shape[1]
     chain = np.array(_CHAIN[n], dtype=np.float64)
     inject = np.array(_INJECT[n], dtype=np.float64)
-    matrix: Array = np.eye(n) + chain - inject[None, :, None] * c[:, None, :]
+    matrix: FloatArray = np.eye(n) + chain - inject[None, :, None] * c[:, None, :]
     return matrix
 
 
-def injection(order: int) -> Array:
+def injection(order: int) -> FloatArray:
     """How an error in q enters the state in one sample, shape (n,)."""
     return np.array(_INJECT[order], dtype=np.float64)
 
@@ -188,7 +187,7 @@ def injection(order: int) -> Array:
 CARRY = 1.0 / 12.0
 
 
-def state_map(c: Array, carry: float = CARRY) -> Array:
+def state_map(c: FloatArray, carry: float = CARRY) -> FloatArray:
     """The matrices M(p) with x - s = M(p) (z - s), z = (T, Ts T', Ts^2 T'', ..), shape (m, n, n).
 
     The constant part follows from both chains being controllable with the same characteristic polynomial
@@ -205,13 +204,13 @@ def state_map(c: Array, carry: float = CARRY) -> Array:
     """
     m, n = c.shape
     constant = constant_map(n)
-    carrying: Array = np.tile(np.eye(n), (m, 1, 1))
+    carrying: FloatArray = np.tile(np.eye(n), (m, 1, 1))
     if n > 1:  # x[n-1] = constant part + q/12 with q = -C (x - s): solved for x
         carrying[:, n - 2, :] += c * carry
     return np.asarray(np.linalg.solve(carrying, np.tile(constant, (m, 1, 1))), dtype=np.float64)
 
 
-def constant_map(order: int) -> Array:
+def constant_map(order: int) -> FloatArray:
     """What of :func:`state_map` does not depend on the PWM, shape (n, n)."""
     n = order
     exact_chain = [[Fraction(1, factorial(j - i)) if j >= i else Fraction(0) for j in range(n)] for i in range(n)]
@@ -221,11 +220,11 @@ def constant_map(order: int) -> Array:
     right = np.array(_controllability(exact_chain, exact_inject), dtype=np.float64)
     chains = np.round(np.linalg.solve(right.T, left.T).T * 720.0) / 720.0  # rationals with small denominators
     nilpotent = np.diag(np.ones(n - 1), 1)
-    constant: Array = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
+    constant: FloatArray = chains @ (np.eye(n) + nilpotent @ nilpotent / 12.0)
     return constant
 
 
-def exact_transition(denominator: Array, sample_time: float) -> Array:
+def exact_transition(denominator: FloatArray, sample_time: float) -> FloatArray:
     """exp(A Ts) in the coordinates (T, Ts T', Ts^2 T'', ..), shape (m, n, n)."""
     m, n = denominator.shape[0], denominator.shape[1] - 1
     companion = np.zeros((m, n, n))
@@ -233,13 +232,13 @@ def exact_transition(denominator: Array, sample_time: float) -> Array:
         companion[:, i, i + 1] = 1.0
     scale = sample_time ** np.arange(n, 0, -1)
     companion[:, n - 1, :] = -denominator[:, :0:-1] * scale
-    result: Array = expm(companion)
+    result: FloatArray = expm(companion)
     return result
 
 
-def mismatch(form: Array, exact: Array, state_maps: Array) -> Array:
+def mismatch(form: FloatArray, exact: FloatArray, state_maps: FloatArray) -> FloatArray:
     """F M - M exp(A Ts): what one sample of the form does differently at constant PWM, shape (m, n, n)."""
-    difference: Array = form @ state_maps - state_maps @ exact
+    difference: FloatArray = form @ state_maps - state_maps @ exact
     return difference
 
 

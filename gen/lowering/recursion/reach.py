@@ -30,7 +30,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from gen.lowering.recursion.fan import WEIGHT_TOLERANCE, Array, Fan, incidence, round_shape
+from gen.arrays import BoolArray, FloatArray
+from gen.lowering.recursion.fan import WEIGHT_TOLERANCE, Fan, incidence, round_shape
 from gen.lowering.recursion.no_proof import NoProofError
 from gen.lowering.recursion.reach_set import ROUNDING, ReachSet, support
 
@@ -48,10 +49,10 @@ class _Policy:
 
     modes: NDArray[np.intp]
     choice: NDArray[np.intp]
-    stopped: NDArray[np.bool_]
+    stopped: BoolArray
 
     @classmethod
-    def first(cls, reward: Array) -> _Policy:
+    def first(cls, reward: FloatArray) -> _Policy:
         """A few PWM over the domain, and the largest reward of each direction among them."""
         count, all_modes = reward.shape
         modes = np.unique(np.linspace(0, all_modes - 1, min(all_modes, _FIRST_MODES)).round().astype(np.intp))
@@ -78,7 +79,7 @@ class SwitchedRecursion:
         If no shape for the directions is found, or no direction's image can be enclosed.
     """
 
-    def __init__(self, matrices: Array) -> None:
+    def __init__(self, matrices: FloatArray) -> None:
         m, n, _ = matrices.shape
         self._fan = fan = Fan.of(n, round_shape(matrices - np.eye(n)))
         self._magnitudes = np.abs(matrices)
@@ -106,7 +107,7 @@ class SwitchedRecursion:
             self._rest[j] = np.abs(fan.rest(image, self._weight[j], vertices))
         self._known: dict[bytes, ReachSet] = {}
 
-    def bound(self, disturbance: Array, start: Array | None = None) -> ReachSet:
+    def bound(self, disturbance: FloatArray, start: FloatArray | None = None) -> ReachSet:
         """Enclose everything that can be reached.
 
         Parameters
@@ -126,7 +127,7 @@ class SwitchedRecursion:
             self._known[key] = self._bound(disturbance, start)
         return self._known[key]
 
-    def _bound(self, disturbance: Array, start: Array | None) -> ReachSet:
+    def _bound(self, disturbance: FloatArray, start: FloatArray | None) -> ReachSet:
         directions = self._fan.directions
         reward = support(directions, disturbance)
         floor = np.zeros(len(directions))
@@ -145,18 +146,18 @@ class SwitchedRecursion:
             slack += 2.0 * float(lacking.max()) + slack
         raise NoProofError("the polytope fails its own check")
 
-    def _right_hand_side(self, reward: Array, found: ReachSet) -> Array:
+    def _right_hand_side(self, reward: FloatArray, found: ReachSet) -> FloatArray:
         """Of (*), with what weights and float64 leave out, shape (J, m)."""
         n = self._weight.shape[2]
         sizes = np.abs(self._fan.directions) @ found.axes
         combined = (self._weight * found.height[self._index]).sum(axis=2)
         hidden = np.abs(self._fan.directions) @ (self._magnitudes @ found.axes).T
         hidden += (self._weight * sizes[self._index]).sum(axis=2)
-        result: Array = (reward + combined) * (1.0 + (n + 2) * ROUNDING) + self._rest @ found.axes
+        result: FloatArray = (reward + combined) * (1.0 + (n + 2) * ROUNDING) + self._rest @ found.axes
         result += (n + 2) * ROUNDING * hidden
         return result
 
-    def _fixed_point(self, reward: Array, floor: Array, policy: _Policy) -> Array:
+    def _fixed_point(self, reward: FloatArray, floor: FloatArray, policy: _Policy) -> FloatArray:
         """Solve (*) for a few PWM and add those at which it does not hold yet, until it holds at all."""
         while True:
             height = self._policy_iteration(reward, floor, policy)
@@ -168,7 +169,7 @@ class SwitchedRecursion:
             worst = np.unique(value.argmax(axis=1))
             policy.add(worst[lacking[worst]])
 
-    def _policy_iteration(self, reward: Array, floor: Array, policy: _Policy) -> Array:
+    def _policy_iteration(self, reward: FloatArray, floor: FloatArray, policy: _Policy) -> FloatArray:
         """The fixed point for the PWM of a policy, which is left at what it came to."""
         count, _, n = self._weight.shape
         rows = np.repeat(np.arange(count), n)

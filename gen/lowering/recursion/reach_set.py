@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.lowering.recursion.fan import Array, Fan
+from gen.arrays import FloatArray
+from gen.lowering.recursion.fan import Fan
 from gen.lowering.recursion.no_proof import NoProofError
 
 #: A sum of n products in float64 is off by at most n + 1 of these, relative to the sum of their magnitudes.
@@ -27,15 +28,15 @@ class ReachSet:
     """
 
     _fan: Fan
-    height: Array
+    height: FloatArray
 
     @property
-    def directions(self) -> Array:
+    def directions(self) -> FloatArray:
         """The polytope's directions c_j in the state's coordinates, shape (J, n)."""
         return self._fan.directions
 
     @cached_property
-    def axes(self) -> Array:
+    def axes(self) -> FloatArray:
         """Upper bounds of ``|y_k|``, shape (n,)."""
         axes = np.eye(self._fan.shape.shape[0])
         values, rest = self._combined(axes)
@@ -51,23 +52,23 @@ class ReachSet:
         return np.asarray(bound)
 
     @property
-    def shape(self) -> Array:
+    def shape(self) -> FloatArray:
         """What makes :attr:`directions` unit vectors, shape (n, n)."""
         return self._fan.shape
 
-    def extent(self, direction: Array) -> float:
+    def extent(self, direction: FloatArray) -> float:
         """Upper bound of ``|direction . y|`` over everything that can be reached."""
         return float(self.extents(np.asarray(direction, dtype=np.float64)[None, :])[0])
 
-    def extents(self, directions: Array) -> Array:
+    def extents(self, directions: FloatArray) -> FloatArray:
         """:meth:`extent` of many directions, shape (k, n); the result has shape (k,)."""
         if not self.height.any():
             return np.zeros(len(directions))
         values, rest = self._combined(directions)
-        found: Array = values + (np.abs(rest) + self._rounded(directions)) @ self.axes
+        found: FloatArray = values + (np.abs(rest) + self._rounded(directions)) @ self.axes
         return found
 
-    def _combined(self, directions: Array) -> tuple[Array, Array]:
+    def _combined(self, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Each direction's height by the weights in its facet, shape (k,), and what they leave of it, shape (k, n)."""
         values, rests = np.zeros(len(directions)), np.zeros_like(directions)
         for first in range(0, len(directions), _TOGETHER):
@@ -80,17 +81,17 @@ class ReachSet:
             rests[first : first + _TOGETHER] = self._fan.rest(part, kept, vertices)
         return values * (1.0 + 8.0 * ROUNDING), rests
 
-    def _rounded(self, directions: Array) -> Array:
+    def _rounded(self, directions: FloatArray) -> FloatArray:
         """What float64 may hide of a direction's rest, shape (k, n): no term is much larger than the direction."""
         n = directions.shape[1]
         largest = np.abs(self._fan.directions).max(axis=0) * np.abs(directions @ self._fan.shape).sum(axis=1)[:, None]
-        hidden: Array = 8.0 * (n + 1) * ROUNDING * (np.abs(directions) + n * largest)
+        hidden: FloatArray = 8.0 * (n + 1) * ROUNDING * (np.abs(directions) + n * largest)
         return hidden
 
 
-def support(directions: Array, generators: Array) -> Array:
+def support(directions: FloatArray, generators: FloatArray) -> FloatArray:
     """Sums over k of ``|c_j . g_pk|``, not below them, shape (J, p), for generators of shape (p, k, n)."""
     found = np.abs(np.einsum("pkn,jn->jpk", generators, directions)).sum(axis=2)
     hidden = np.abs(directions) @ np.abs(generators).sum(axis=1).T
-    result: Array = found * (1.0 + generators.shape[1] * ROUNDING) + (directions.shape[1] + 1) * ROUNDING * hidden
+    result: FloatArray = found * (1.0 + generators.shape[1] * ROUNDING) + (directions.shape[1] + 1) * ROUNDING * hidden
     return result

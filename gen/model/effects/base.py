@@ -7,14 +7,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
+
+from gen.arrays import FloatArray
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
 
-Array = NDArray[np.float64]
 Lanes = Any
 """A number, or an array of them: one for each lane of a fit, and for each step where time comes first."""
 Values = Mapping[str, Any]
@@ -239,18 +238,18 @@ class Moment:
         "rise",
         "standstill",
     )
-    pwm: Array
-    count: Array
-    reverse: Array
-    standstill: Array
-    rate: Array
-    heat: Array
-    rise: Array
-    ambient: Array
-    measured_ambient: Array
-    others: dict[str, Array]
-    channels: dict[str, Array]
-    inner: Array
+    pwm: FloatArray
+    count: FloatArray
+    reverse: FloatArray
+    standstill: FloatArray
+    rate: FloatArray
+    heat: FloatArray
+    rise: FloatArray
+    ambient: FloatArray
+    measured_ambient: FloatArray
+    others: dict[str, FloatArray]
+    channels: dict[str, FloatArray]
+    inner: FloatArray
 
 
 class Effect(ABC):

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.model.dynamics import Component, ThermalModel
-from gen.model.effects.base import Applied, Array, Moment
+from gen.model.effects.base import Applied, Moment
 from gen.model.effects.spans import Ends, Span
 
 ZERO_K_degC = -273.15
@@ -40,7 +41,7 @@ class Domain:
         Extra channels by column.
     """
 
-    rows: Array
+    rows: FloatArray
     rise: Mapping[str, Range]
     ambient: Range
     channels: Mapping[str, Range]
@@ -64,9 +65,9 @@ class Share:
     """
 
     applied: Applied
-    own: tuple[Array, Array]
-    others: Mapping[str, Array]
-    apart: Mapping[str, Array]
+    own: tuple[FloatArray, FloatArray]
+    others: Mapping[str, FloatArray]
+    apart: Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -84,22 +85,22 @@ class PartGains:
     """
 
     component: Component
-    rate: Array
+    rate: FloatArray
     shares: tuple[Share, ...]
 
     @property
-    def own(self) -> tuple[Array, Array]:
+    def own(self) -> tuple[FloatArray, FloatArray]:
         """Slope of all heat over the own rise, lowest and highest, 1/s."""
         none = np.zeros_like(self.rate)
         return sum((s.own[0] for s in self.shares), none), sum((s.own[1] for s in self.shares), none)
 
-    def heating(self, source: str) -> Array:
+    def heating(self, source: str) -> FloatArray:
         """Largest slope of the heat over another component's rise, or of what its apart states add, 1/s."""
         none = np.zeros_like(self.rate)
         direct = sum((s.others.get(source, none) for s in self.shares), none)
         return direct + np.maximum(*(np.abs(end) for end in self.own)) * self.apart(source)
 
-    def apart(self, source: str) -> Array:
+    def apart(self, source: str) -> FloatArray:
         """Steady answer of the states with time constants of their own, K for each K of a component's rise."""
         none = np.zeros_like(self.rate)
         return sum((s.apart.get(source, none) for s in self.shares), none)
@@ -135,7 +136,7 @@ def gains(model: ThermalModel, effects: Sequence[Applied], domain: Domain) -> tu
     return tuple(made)
 
 
-def _moment(model: ThermalModel, component: Component, domain: Domain, rate: Array) -> Moment:
+def _moment(model: ThermalModel, component: Component, domain: Domain, rate: FloatArray) -> Moment:
     def rise(name: str) -> Span:
         low, high = domain.rise[name]
         return Span(low, high, {name: (1.0, 1.0)})
@@ -179,11 +180,11 @@ def _inner(applied: Applied, m: Moment) -> Span | None:
     return Span(low, high, {k: (np.minimum(a, 0.0), np.maximum(b, 0.0)) for k, (a, b) in target.slopes.items()})
 
 
-def _size(ends: Ends) -> Array:
+def _size(ends: Ends) -> FloatArray:
     return np.asarray(np.maximum(np.abs(ends[0]), np.abs(ends[1])))
 
 
-def steady_loops(parts: Sequence[PartGains]) -> Array:
+def steady_loops(parts: Sequence[PartGains]) -> FloatArray:
     """What comes back to each part for each K of each part's rise while the PWM is held, K, shape (R, parts, parts).
 
     An entry is infinite where a part's own heat grows at least as fast with its rise as its cooling does.
@@ -201,7 +202,7 @@ def steady_loops(parts: Sequence[PartGains]) -> Array:
     return made
 
 
-def largest_loop(matrix: Array) -> float:
+def largest_loop(matrix: FloatArray) -> float:
     """Spectral radius of a matrix of gains (no entry negative), infinite where an entry in a loop is.
 
     Rounded to nearest: below 1 it is certain only with :func:`contracts`.
@@ -212,7 +213,7 @@ def largest_loop(matrix: Array) -> float:
     return float(np.abs(np.linalg.eigvals(looped)).max())
 
 
-def in_loops(matrix: Array) -> Array:
+def in_loops(matrix: FloatArray) -> FloatArray:
     """Which entries lie on a closed loop (1), and which do not (0): these cannot make anything come back."""
     reached = (matrix > 0.0) | np.eye(len(matrix), dtype=bool)
     for _ in range(len(matrix)):
@@ -220,7 +221,7 @@ def in_loops(matrix: Array) -> Array:
     return np.asarray(((matrix > 0.0) & reached.T).astype(np.float64))
 
 
-def contracts(matrix: Array) -> bool:
+def contracts(matrix: FloatArray) -> bool:
     """Whether a matrix of gains is certainly below 1: by a positive vector v with ``G v < v``, row by row.
 
     Such a vector exists if and only if the spectral radius of the nonnegative matrix G is below 1 (Collatz and

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from gen.model.effects.base import Array, Effect, Lanes, Moment, Values
+from gen.arrays import FloatArray
+from gen.model.effects.base import Effect, Lanes, Moment, Values
 from gen.model.effects.response import Response, answer
 
 Slot = tuple[Effect, Values]
@@ -53,21 +54,21 @@ class Track:
         Of a component of higher order than 1: how it answers to heat. None: by its rate alone.
     """
 
-    step: Array
-    elapsed: Array
-    base: Array
-    fading: Array
-    ambient: Array
-    measured_ambient: Array
-    rate: Array
-    heat: Array
-    pwm: Array
-    count: Array
-    reverse: Array
-    standstill: Array
-    channels: dict[str, Array]
-    others: dict[str, Array]
-    measured_rise: Array
+    step: FloatArray
+    elapsed: FloatArray
+    base: FloatArray
+    fading: FloatArray
+    ambient: FloatArray
+    measured_ambient: FloatArray
+    rate: FloatArray
+    heat: FloatArray
+    pwm: FloatArray
+    count: FloatArray
+    reverse: FloatArray
+    standstill: FloatArray
+    channels: dict[str, FloatArray]
+    others: dict[str, FloatArray]
+    measured_rise: FloatArray
     response: Response | None = None
 
 
@@ -80,7 +81,7 @@ def start_shift(slots: Sequence[Slot], track: Track) -> Lanes:
     return shift
 
 
-def readings(slots: Sequence[Slot], track: Track, *, shifted: bool = False) -> tuple[Array, Array]:
+def readings(slots: Sequence[Slot], track: Track, *, shifted: bool = False) -> tuple[FloatArray, FloatArray]:
     """Rise with all effects, and what the sensor shows.
 
     Parameters
@@ -114,7 +115,7 @@ def readings(slots: Sequence[Slot], track: Track, *, shifted: bool = False) -> t
     return rise, np.asarray(shown)
 
 
-def _states(slots: Sequence[Slot], track: Track, base: Array) -> Array:
+def _states(slots: Sequence[Slot], track: Track, base: FloatArray) -> FloatArray:
     """Sum of the effects' states, K.
 
     States with a time constant of their own do not depend on the rise, and come first. The others all decay by the
@@ -179,14 +180,14 @@ def _moment(track: Track) -> Moment:
     return m
 
 
-def _phi(rate: Lanes, step: Array) -> Lanes:
+def _phi(rate: Lanes, step: FloatArray) -> Lanes:
     """(1 - exp(-rate h))/rate, with its limit h for a rate of 0."""
     x = rate * step
     small = np.abs(x) < 1e-12
     return np.where(small, step, -np.expm1(-x) / np.where(small, 1.0, x) * step)
 
 
-def _recur(factor: Lanes, added: Lanes, start: Lanes) -> Array:
+def _recur(factor: Lanes, added: Lanes, start: Lanes) -> FloatArray:
     """x[k + 1] = factor[k] x[k] + added[k]."""
     length = np.shape(factor)[0]
     shape = np.broadcast_shapes(np.shape(factor)[1:], np.shape(added)[1:], np.shape(start))
@@ -214,7 +215,7 @@ def _inner(effect: Effect, p: Values, whole: Moment, track: Track) -> Lanes:
     return _recur(1.0 - kept, kept * target, effect.inner_start(p, track.measured_rise))
 
 
-def _lagged(shown: Lanes, lag: Lanes, track: Track) -> Array:
+def _lagged(shown: Lanes, lag: Lanes, track: Track) -> FloatArray:
     """y' = (x - y)/lag with x straight between the ends of a step: exact."""
     h = track.step
     kept = np.exp(-h / lag)

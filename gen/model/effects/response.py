@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.model.dynamics import Component
-from gen.model.effects.base import Array, Lanes
+from gen.model.effects.base import Lanes
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class Response:
         What a q held over the step adds, shape (K, R, n).
     """
 
-    transition: Array
-    forced: Array
+    transition: FloatArray
+    forced: FloatArray
 
 
-def response(component: Component, counts: NDArray[np.int64], step: Array) -> Response:
+def response(component: Component, counts: IntArray, step: FloatArray) -> Response:
     """Make the steps.
 
     Parameters
@@ -51,7 +51,7 @@ def response(component: Component, counts: NDArray[np.int64], step: Array) -> Re
     return Response(np.ascontiguousarray(solved[..., :n, :n]), np.ascontiguousarray(solved[..., :n, n]))
 
 
-def answer(own: Response, heat: Lanes, share: Lanes, base: Array, start: Lanes) -> Array:
+def answer(own: Response, heat: Lanes, share: Lanes, base: FloatArray, start: Lanes) -> FloatArray:
     """E for q = heat + share (base + E).
 
     Parameters
@@ -67,7 +67,7 @@ def answer(own: Response, heat: Lanes, share: Lanes, base: Array, start: Lanes) 
 
     Returns
     -------
-    Array
+    FloatArray
         At the ends of the steps, shape (K + 1, .., lanes, R).
     """
     length, runs, n = own.forced.shape

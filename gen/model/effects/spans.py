@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.model.effects.base import Array
+from gen.arrays import FloatArray
 
 Ends = tuple[Any, Any]
 """Lowest and highest value: numbers, or arrays with an entry for each |PWM|."""
@@ -98,8 +98,8 @@ class Span:
 
 def _times(a: Ends, b: Ends) -> Ends:
     products = [x * y for x in a for y in b]
-    low: Array = products[0]
-    high: Array = products[0]
+    low: FloatArray = products[0]
+    high: FloatArray = products[0]
     for product in products[1:]:
         low, high = np.minimum(low, product), np.maximum(high, product)
     return low, high

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.model.dynamics import MAX_PWM, Component, Pole, ThermalModel
-from gen.model.effects.base import Array
 from gen.model.schedules import Schedule, Table
 
 
-def scaled(model: ThermalModel, component: str, steady: Array, rate: Array) -> ThermalModel:
+def scaled(model: ThermalModel, component: str, steady: FloatArray, rate: FloatArray) -> ThermalModel:
     """The model with one component's steady rise and poles multiplied, by tables with a point at every count.
 
     Parameters
@@ -27,8 +27,8 @@ def scaled(model: ThermalModel, component: str, steady: Array, rate: Array) -> T
     return replace(model, components=tuple(made))
 
 
-def _scaled(part: Component, steady: Array, rate: Array) -> Component:
-    def table(schedule: Schedule, factor: Array) -> Table:
+def _scaled(part: Component, steady: FloatArray, rate: FloatArray) -> Component:
+    def table(schedule: Schedule, factor: FloatArray) -> Table:
         held = [part._held(x) for x in range(MAX_PWM + 1)]
         values = [float(schedule.exact(x)) * float(f) for x, f in zip(held, factor, strict=True)]
         return Table(tuple(range(MAX_PWM + 1)), tuple(values), "linear")

@@ -13,11 +13,11 @@ from itertools import combinations
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.reference.simulate import simulate_run
 from gen.runs import Run
-from gen.runs.run import FloatArray
 from gen.side_by_side import side_by_side
 
 _PERCENT = 100

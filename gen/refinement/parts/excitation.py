@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.model.effects import registry
 from gen.refinement.condense import Condensed
-from gen.runs.run import FloatArray
 
 _HOUR = 3600.0
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.model.effects import Effect, Free, Variant
 from gen.model.effects.integrate import Slot, readings
 from gen.refinement.parts.stacked_runs import StackedRuns
-from gen.runs.run import FloatArray
 
 _ITERATIONS = 14
 _STEP = 1e-4

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.coefficients.checks.effect_checks import runs_away
 from gen.model.effects import Applied, tolerance_K
 from gen.model.effects.integrate import Track
 from gen.model.effects.response import Response, answer, response
 from gen.refinement.condense import Condensed
-from gen.runs.run import FloatArray
 
 FOLDS = 6
 """Most folds; fewer runs than that are left out one by one, so that each effect is excited in as many as can be."""

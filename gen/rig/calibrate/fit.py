@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from gen.arrays import FloatArray
 from gen.rig.calibrate.targets import Targets, time_to_63
 from gen.rig.calibrate.unknowns import BOUNDS, GUESSES, SPREADS, motor
 from gen.rig.losses import HEALTHY, Condition
-from gen.rig.network import Floats
 from gen.rig.parameters import MEASURED, NODES, MotorParameters
 from gen.rig.response import Held, held, network, no_load
 
@@ -39,11 +39,11 @@ class Comparison:
         No-load current, shape (speeds,).
     """
 
-    end_K: dict[str, Floats]
-    settled_K: dict[str, Floats]
-    time_63: dict[str, Floats]
-    curves: dict[str, Floats]
-    current_A: Floats
+    end_K: dict[str, FloatArray]
+    settled_K: dict[str, FloatArray]
+    time_63: dict[str, FloatArray]
+    curves: dict[str, FloatArray]
+    current_A: FloatArray
     points: tuple[Held, ...]
 
 
@@ -73,17 +73,17 @@ def compare(parameters: MotorParameters, targets: Targets) -> Comparison:
     )
 
 
-def settled(parameters: MotorParameters, speeds: Floats, condition: Condition = HEALTHY) -> dict[str, Floats]:
+def settled(parameters: MotorParameters, speeds: FloatArray, condition: Condition = HEALTHY) -> dict[str, FloatArray]:
     """Settled temperatures at 30 degC ambient, degC, by node, shape (speeds,)."""
     net = network(parameters)
     all_nodes = np.array([held(parameters, no_load(s), condition=condition, net=net).settled for s in speeds])
     return {name: all_nodes[:, column] for name, column in _COLUMN.items()}
 
 
-def calibrate(targets: Targets) -> Floats:
+def calibrate(targets: Targets) -> FloatArray:
     """Find the unknowns' logarithms."""
 
-    def residual(x: Floats) -> Floats:
+    def residual(x: FloatArray) -> FloatArray:
         return _residual(x, targets)
 
     start = np.clip(GUESSES, *BOUNDS)
@@ -91,10 +91,10 @@ def calibrate(targets: Targets) -> Floats:
     return np.asarray(solution.x)
 
 
-def _residual(x: Floats, targets: Targets) -> Floats:
+def _residual(x: FloatArray, targets: Targets) -> FloatArray:
     parameters = motor(x)
     healthy = compare(parameters, targets)
-    parts: list[Floats] = [0.25 * (x - GUESSES) / SPREADS]
+    parts: list[FloatArray] = [0.25 * (x - GUESSES) / SPREADS]
     for name in MEASURED:
         limit = 0.21 if name == "brush" else 0.11
         end = healthy.end_K[name]
@@ -122,8 +122,8 @@ def _residual(x: Floats, targets: Targets) -> Floats:
     return np.concatenate(parts)
 
 
-def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[Floats]:
-    parts: list[Floats] = []
+def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[FloatArray]:
+    parts: list[FloatArray] = []
     speeds = targets.fault_speeds
     healthy = settled(parameters, speeds)
     for kind, target in targets.faults.items():
@@ -141,9 +141,9 @@ def _fault_residuals(parameters: MotorParameters, targets: Targets) -> list[Floa
     return parts
 
 
-def _beyond(values: Floats, limit: float, scale: float) -> Floats:
+def _beyond(values: FloatArray, limit: float, scale: float) -> FloatArray:
     return np.maximum(0.0, np.abs(values) - limit) / scale
 
 
-def _above(values: Floats, limit: Floats | float, scale: float) -> Floats:
+def _above(values: FloatArray, limit: FloatArray | float, scale: float) -> FloatArray:
     return np.maximum(0.0, values - limit) / scale

@@ -6,10 +6,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from gen.arrays import FloatArray
 from gen.rig.calibrate.fit import BROKEN, compare, settled
 from gen.rig.calibrate.targets import Targets, time_to_63
 from gen.rig.losses import heat
-from gen.rig.network import Floats
 from gen.rig.parameters import MEASURED, MotorParameters
 from gen.rig.response import held, network, no_load
 
@@ -52,7 +52,7 @@ def explain_fall(parameters: MotorParameters) -> str:
     )
 
 
-def _table(title: str, speeds: Floats, rows: dict[str, Floats], form: str) -> Table:
+def _table(title: str, speeds: FloatArray, rows: dict[str, FloatArray], form: str) -> Table:
     table = Table(title=title, title_justify="left")
     table.add_column("")
     for speed in speeds:

@@ -10,7 +10,7 @@ from importlib import resources
 import numpy as np
 from scipy import signal
 
-from gen.rig.network import Floats
+from gen.arrays import FloatArray
 from gen.rig.parameters import MEASURED
 from gen.rig.profiles import FULL_SCALE
 
@@ -19,8 +19,8 @@ from gen.rig.profiles import FULL_SCALE
 class FaultTarget:
     """Signature of one fault at steady state, K over the healthy motor, at `Targets.fault_speeds`."""
 
-    brush: Floats
-    casing_at_least: Floats
+    brush: FloatArray
+    casing_at_least: FloatArray
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,13 @@ class Targets:
         By kind.
     """
 
-    speeds: Floats
+    speeds: FloatArray
     ambient_degC: float
     current_A_max: float
-    end_degC: dict[str, Floats]
-    time_s: Floats
-    curves: dict[str, Floats]
-    fault_speeds: Floats
+    end_degC: dict[str, FloatArray]
+    time_s: FloatArray
+    curves: dict[str, FloatArray]
+    fault_speeds: FloatArray
     faults: dict[str, FaultTarget]
 
 
@@ -89,7 +89,7 @@ def load() -> Targets:
     )
 
 
-def time_to_63(time_s: Floats, rise: Floats) -> float:
+def time_to_63(time_s: FloatArray, rise: FloatArray) -> float:
     """Time at which a step response has made 1 - 1/e of its way to its last value, s, between samples linearly."""
     level = -np.expm1(-1.0) * rise[-1]
     k = int(np.argmax(rise >= level))

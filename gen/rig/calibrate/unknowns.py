@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gen.rig.network import Floats
+from gen.arrays import FloatArray
 from gen.rig.parameters import AMBIENT, NODES, MotorParameters
 
 
@@ -91,12 +91,12 @@ ELECTRICAL = {
 #: Half a litre of air holds 0.6 J/K; the rest is the insulation and dust that follow it at once.
 AIR_J_PER_K = 2.0
 
-GUESSES: Floats = np.log([unknown.guess for unknown in UNKNOWNS])
-SPREADS: Floats = np.array([unknown.spread for unknown in UNKNOWNS])
-BOUNDS: tuple[Floats, Floats] = (np.log([u.low for u in UNKNOWNS]), np.log([u.high for u in UNKNOWNS]))
+GUESSES: FloatArray = np.log([unknown.guess for unknown in UNKNOWNS])
+SPREADS: FloatArray = np.array([unknown.spread for unknown in UNKNOWNS])
+BOUNDS: tuple[FloatArray, FloatArray] = (np.log([u.low for u in UNKNOWNS]), np.log([u.high for u in UNKNOWNS]))
 
 
-def motor(logarithms: Floats, digits: int | None = None, about: str = "") -> MotorParameters:
+def motor(logarithms: FloatArray, digits: int | None = None, about: str = "") -> MotorParameters:
     """Put parameters together from the unknowns' logarithms, shape (len(UNKNOWNS),), to some significant digits."""
     groups: dict[str, dict[str, float]] = {}
     for unknown, value in zip(UNKNOWNS, np.exp(logarithms), strict=True):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import gen
+from gen.arrays import FloatArray
 from gen.errors import CheckFailed, InputError
 from gen.identification.choice import choose as module
 from gen.identification.choice.choose import choose
@@ -20,7 +21,6 @@ from gen.identification.choice.folds import MOST_FOLDS, STRETCHES, Fold, folds_o
 from gen.identification.choice.left_out import BLOCKS, Judged, errors
 from gen.identification.choice.models import NetworkModel, Options, Progress, network_of, parts_of
 from gen.identification.logs.sources import Source
-from gen.identification.parts.structure import FloatArray
 from gen.identification.settings import Settings
 from gen.runs import Run, write_run
 from tests.identification.network.plant import TWO, holds

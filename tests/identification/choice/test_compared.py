@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
 
+from gen.arrays import FloatArray
 from gen.identification.choice.compared import KINDS, NETWORK, PARTS, Comparison, comparison
 from gen.identification.choice.decision import Tried, decided, told_without_folds
 from gen.identification.choice.left_out import BLOCKS, Judged
-from gen.identification.parts.structure import FloatArray
 
 
 def of(logs: FloatArray | list[float]) -> Comparison:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gen.arrays import FloatArray
 from gen.identification.choice.folds import STRETCHES, folds_of
 from gen.identification.logs.sources import Source
 from gen.runs import Run
 
 
-def source(time: np.typing.NDArray[np.float64]) -> Source:
+def source(time: FloatArray) -> Source:
     return Source("run.csv", Run(time, np.full(time.size, 100), {"coil": np.linspace(20.0, 60.0, time.size)}))
 
 

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from gen.arrays import FloatArray, IntArray
 from gen.runs import Run
 
-FloatArray = NDArray[np.float64]
 ROW_S = 4.0
 ROOM = 25.0
 
@@ -50,7 +49,7 @@ class Plant:
         moved = expm(whole * ROW_S)
         return moved[:n, :n], moved[:n, n], moved[:n, n + 1]
 
-    def true(self, pwm: NDArray[np.int64], room: FloatArray, start: float | None = None) -> FloatArray:
+    def true(self, pwm: IntArray, room: FloatArray, start: float | None = None) -> FloatArray:
         """Temperatures of all nodes at each row, shape (N, n), degC; from the room's temperature."""
         state = np.full(len(self.capacity), room[0] if start is None else start)
         made = np.empty((pwm.size, state.size))
@@ -62,7 +61,7 @@ class Plant:
 
     def run(
         self,
-        pwm: NDArray[np.int64],
+        pwm: IntArray,
         rng: np.random.Generator,
         room: FloatArray | float = ROOM,
         noise: float = 0.15,
@@ -83,7 +82,7 @@ class Plant:
         return Run(time, pwm, temps, shown if measured else None)
 
 
-def holds(*parts: tuple[int, float]) -> NDArray[np.int64]:
+def holds(*parts: tuple[int, float]) -> IntArray:
     """PWM and minutes, one after the other."""
     return np.concatenate([np.full(round(60.0 * minutes / ROW_S), pwm, dtype=np.int64) for pwm, minutes in parts])
 

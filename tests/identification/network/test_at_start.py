@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.arrays import FloatArray
+from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import inputs_of
 from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Problem

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
+from gen.arrays import FloatArray
 from gen.identification.network.evidence import CLEAR, STIFF, in_favour
 from gen.identification.network.fitting.bends import BEND
 from gen.identification.network.fitting.scale import scale_of
@@ -16,7 +17,7 @@ from gen.identification.network.identify import NetworkFound
 from gen.identification.network.search import Found, bent
 from gen.identification.network.telling.uncertainty import spread_of
 from gen.runs import Run
-from tests.identification.network.plant import TWO, FloatArray, Plant, holds
+from tests.identification.network.plant import TWO, Plant, holds
 from tests.identification.network.test_identify import FLOOR, found_of, mixed, off
 
 SPEEDS = (40, 70, 100, 120, 130, 140, 160, 190, 220, 250)

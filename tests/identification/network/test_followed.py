@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import gen
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.followed import MARGIN, UNIT, too_fast
 from gen.identification.network.fitting.structure import Structure, full
 from gen.runs import write_run
-from tests.identification.network.plant import TWO, FloatArray, holds
+from tests.identification.network.plant import TWO, holds
 
 LEAST_S = 50.0
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import gen
-from gen.runs.run import FloatArray
+from gen.arrays import FloatArray
 from tests.identification.network.plant import ROW_S, Plant
 
 ROOM = 22.0

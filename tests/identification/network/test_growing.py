@@ -8,14 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from gen.arrays import FloatArray, IntArray
 from gen.firmware.contexts.network_terms import Terms
 from gen.identification.choice.models import Options, network_of
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.steady import settled
@@ -107,7 +106,7 @@ def test_it_settles_where_heat_and_loss_are_equal() -> None:
         assert found.slopes[..., place] == pytest.approx(change / (2.0 * step), rel=1e-3, abs=1e-4)
 
 
-def logged(seed: int, pwm: NDArray[np.int64]) -> Run:
+def logged(seed: int, pwm: IntArray) -> Run:
     """What sensors read of a winding in a casing, both with heat of their own that grows by 0.6 % for each kelvin."""
     time = 10.0 * np.arange(pwm.size, dtype=np.float64)
     chance = np.random.default_rng(seed)

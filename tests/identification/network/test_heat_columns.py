@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 import gen
+from gen.arrays import FloatArray, IntArray
 from gen.cli import cli
 from gen.coefficients import Coefficients
 from gen.errors import InputError
@@ -31,12 +31,11 @@ from gen.runs import Run, write_run
 from tests.identification.network.plant import ROOM, ROW_S, TWO, holds
 from tests.identification.network.test_identify import FLOOR, NOISE
 
-FloatArray = NDArray[np.float64]
 HEATED = 1  # the casing
 WATTS = (0.0, 25.0, 10.0, 40.0, 0.0, 15.0)
 
 
-def true_temperatures(pwm: NDArray[np.int64], watts: FloatArray) -> FloatArray:
+def true_temperatures(pwm: IntArray, watts: FloatArray) -> FloatArray:
     """`TWO` with so many watts more at its casing, by matrix exponentials of its own, shape (N, 2), degC."""
     state, made, steps = np.full(2, ROOM), np.empty((pwm.size, 2)), {}
     for k, level in enumerate(pwm.tolist()):
@@ -53,7 +52,7 @@ def true_temperatures(pwm: NDArray[np.int64], watts: FloatArray) -> FloatArray:
     return made
 
 
-def logged(pwm: NDArray[np.int64], seed: int, columns: Sequence[str] = ("heater_W",)) -> Run:
+def logged(pwm: IntArray, seed: int, columns: Sequence[str] = ("heater_W",)) -> Run:
     rng = np.random.default_rng(seed)
     held = np.repeat(rng.permutation(WATTS), -(-pwm.size // len(WATTS)))[: pwm.size]
     true = true_temperatures(pwm, held)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients
 from gen.errors import InputError
 from gen.identification.logs.sources import Source, read_sources
@@ -38,7 +38,7 @@ def found_of(runs: Sequence[Run], hidden: int = 2, ambient: float | None = None)
     return result, loaded
 
 
-def off(loaded: Coefficients, plant: Plant, pwm: NDArray[np.int64], room: NDArray[np.float64] | None = None) -> float:
+def off(loaded: Coefficients, plant: Plant, pwm: IntArray, room: FloatArray | None = None) -> float:
     """Root mean square of model minus truth on a run from cold, K, over the parts."""
     around = np.full(pwm.size, ROOM) if room is None else room
     time = 4.0 * np.arange(pwm.size, dtype=np.float64)
@@ -204,7 +204,7 @@ def test_the_declared_error_holds_on_fresh_runs() -> None:
     ("pwm", "hint"),
     [(holds((0, 30)), "in which the motor turns"), (holds((100, 1)), "at least 20")],
 )
-def test_what_cannot_be_used_is_told(pwm: NDArray[np.int64], hint: str) -> None:
+def test_what_cannot_be_used_is_told(pwm: IntArray, hint: str) -> None:
     run = TWO.run(pwm, np.random.default_rng(12))
     with pytest.raises(InputError, match=hint):
         make_network_data([Source("run.csv", run)], None)

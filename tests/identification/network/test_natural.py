@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import gen
+from gen.arrays import FloatArray, IntArray
 from gen.identification.choice.models import Options, network_of
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.natural import USUAL_K, polynomial
 from gen.identification.network.fitting.problem import Problem
@@ -109,7 +108,7 @@ def test_the_polynomial_is_about_the_fourth_root() -> None:
     assert np.polyval(polynomial(WIDEST), difference) == pytest.approx((difference / USUAL_K) ** 0.25, rel=0.04)
 
 
-def logged(seed: int, pwm: NDArray[np.int64]) -> Run:
+def logged(seed: int, pwm: IntArray) -> Run:
     """What a closed motor's sensors read whose casing natural convection and radiation cool (the example's)."""
     time = 10.0 * np.arange(pwm.size, dtype=np.float64)
     room = 20.0 + np.sin(time / 4000.0 + seed)

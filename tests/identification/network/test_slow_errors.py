@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.plants.disturbance import LASTS_S, disturbance
-from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.arrays import FloatArray
+from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.identification.network.fitting.weights import WINDOW_S, density, independent, slow_density
 from gen.runs import Run

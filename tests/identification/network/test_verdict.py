@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import IntArray
 from gen.identification.logs.sources import Source
 from gen.identification.network.data import make_network_data
 from gen.identification.network.identify import NetworkFound, identify_network
@@ -21,7 +21,7 @@ STEPS = tuple(holds((pwm, 120), (0, 120)) for pwm in (80, 160, 250))
 TURNING = tuple(holds((pwm, 120), (other, 120)) for pwm, other in ((80, 160), (160, 250), (250, 80)))
 
 
-def found_from(profiles: tuple[NDArray[np.int64], ...], noise: float = 0.05) -> NetworkFound:
+def found_from(profiles: tuple[IntArray, ...], noise: float = 0.05) -> NetworkFound:
     rng = np.random.default_rng(1)
     sources = [Source(f"run_{k}.csv", TWO.run(pwm, rng, noise=noise)) for k, pwm in enumerate(profiles)]
     return identify_network(make_network_data(sources, None), lambda _: None, 0)
@@ -80,7 +80,7 @@ def test_what_was_not_measured_stays_said_beside_the_grade() -> None:
     ],
 )
 def test_a_motor_that_was_held_at_two_speeds_is_known_at_these_alone(
-    profiles: tuple[NDArray[np.int64], ...], speeds: list[int]
+    profiles: tuple[IntArray, ...], speeds: list[int]
 ) -> None:
     said = Summary(found_from(profiles))
     assert said.only_speeds == pytest.approx(speeds, abs=2)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from gen import toolchain
+from gen.arrays import IntArray
 from gen.avr.compile import build_elf
 from gen.avr.simulator import MAILBOX_FOLDER, EmulatedChip
 from gen.firmware.onboard_cpp import five_bytes
@@ -145,7 +145,7 @@ def test_tuning_brings_the_worst_coefficient_nearer() -> None:
         plain, steps=(*plain.steps[:place], replace(plain.steps[place], table=worse), *plain.steps[place + 1 :])
     )
 
-    def cost(candidate: NDArray[np.int64]) -> float:
+    def cost(candidate: IntArray) -> float:
         rates = candidate * 2.0 ** -np.array(fixed.layout.rate_fraction_bits)
         c = np.cumprod(rates[:, ::-1], axis=1)[:, ::-1]  # C[i] = R[i] .. R[n-1]
         return float((weights * np.abs(c - exact.c)).sum(axis=1).max())

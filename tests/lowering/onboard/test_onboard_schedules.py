@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.coefficients.reader import parse
 from gen.errors import CheckFailed
 from gen.lowering import lower as lowering
@@ -102,7 +102,7 @@ def test_my1016_is_proven_within_its_limit_with_the_boards_own_coefficients(plac
     assert bound.bound_K + component.layout.high_lsb[0] <= harness.LIMIT_K
 
 
-def synthetic(order: int) -> tuple[OnboardComponent, NDArray[np.float64]]:
+def synthetic(order: int) -> tuple[OnboardComponent, FloatArray]:
     """Complex poles that are no pairs, mixed with real ones; negative and constant schedules."""
     base = model("two_mass")
     slow = Polynomial((-1e-8, -3e-6, -0.0006))

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, parse
 from gen.model.network_solution import NetworkSolution
 from gen.runs import Run
 
 Tree = dict[str, Any]
-FloatArray = NDArray[np.float64]
 ROW_S, HOURS = 4.0, 4.0
 NOISE_K = 0.1
 
@@ -73,7 +72,7 @@ def read(tree: Tree) -> Coefficients:
     return parse(json.dumps(tree).encode())
 
 
-def profile(seed: int) -> NDArray[np.int64]:
+def profile(seed: int) -> IntArray:
     """Holds of five minutes to forty, with stops and turns backwards."""
     chance = np.random.default_rng(seed)
     rows = int(HOURS * 3600.0 / ROW_S)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gen.arrays import FloatArray
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench
@@ -16,7 +17,7 @@ from gen.refinement.network.over_time.missing_heat import likeliest
 from gen.refinement.network.over_time.told_course import told
 from gen.refinement.network.over_time.uneven import Pattern, Uneven, uneven
 from gen.runs import Run
-from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree
+from tests.refinement.network.motor import HOURS, ROW_S, Tree, read, run, tree
 
 BLOWS_W_PER_K, STILL_W_PER_K = 0.35, 0.4
 NAMES = ("one.csv", "two.csv", "three.csv")

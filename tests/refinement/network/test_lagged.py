@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.arrays import FloatArray
+from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.refinement.network.changing.lagged import Lagged
 from gen.runs import Run

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gen.arrays import FloatArray
 from gen.refinement.network.effects.sensors import SensorOffset
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.fitting.fit import Bench, Fitted, forget
-from tests.refinement.network.motor import FloatArray, Tree, read, run, tree
+from tests.refinement.network.motor import Tree, read, run, tree
 
 RUNS, OFF_K = 5, 3.0
 

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from gen.arrays import FloatArray
 from gen.cli import cli
 from gen.refinement.network.effects import Motor, NetworkEffect, Offered, candidates
-from tests.refinement.network.motor import HOURS, ROW_S, FloatArray, Tree, read, run, tree, write
+from tests.refinement.network.motor import HOURS, ROW_S, Tree, read, run, tree, write
 
 TIME_S: FloatArray = ROW_S * np.arange(int(HOURS * 3600.0 / ROW_S), dtype=np.float64)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import make_data
 from gen.refinement.network.tracing.search import NOT_BY_THE_CHANNEL
@@ -14,13 +14,13 @@ from tests.refinement.network.motor import HOURS, ROW_S, Tree, read, run, tree
 ROWS = int(HOURS * 3600.0 / ROW_S)
 
 
-def humidity(seed: int) -> NDArray[np.float64]:
+def humidity(seed: int) -> FloatArray:
     """Between 38 and 52 %, slowly."""
     time = ROW_S * np.arange(ROWS)
     return np.asarray(45.0 + 7.0 * np.sin(time / (1900.0 + 400.0 * seed) + seed))
 
 
-def fan(seed: int) -> NDArray[np.float64]:
+def fan(seed: int) -> FloatArray:
     """On and off, for ten minutes to forty."""
     chance, made, at = np.random.default_rng(seed), np.zeros(ROWS), 0
     while at < ROWS:
@@ -30,7 +30,7 @@ def fan(seed: int) -> NDArray[np.float64]:
     return made
 
 
-def traced(other: Tree, column: str, values: list[NDArray[np.float64]]) -> Traced:
+def traced(other: Tree, column: str, values: list[FloatArray]) -> Traced:
     """Trace two runs of a motor that has become another."""
     file = read(tree())
     assert file.model.network is not None

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.at_start import balance
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.problem import Evaluated, Problem
 from gen.identification.network.fitting.structure import Structure
 

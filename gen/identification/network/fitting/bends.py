@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 
 KNOTS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
 """Speeds w, |PWM| over full scale."""

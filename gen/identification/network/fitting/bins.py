@@ -10,13 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray
 from gen.identification.logs.records import quantiser_bias, resolution, scatter
 from gen.runs import Run
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SHORTEST_S, LONGEST_S = 5.0, 30.0
 """Widths of the bins: short after a change of PWM, then growing."""

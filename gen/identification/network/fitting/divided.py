@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray, SingleArray
 from gen.compiled import compiled
-from gen.identification.network.fitting.bins import FloatArray
-from gen.identification.network.fitting.marching import Slopes
 
 
 @compiled
 def divided_differences(
-    rates: FloatArray, width: FloatArray, decay: FloatArray, phi: FloatArray, first: Slopes, second: Slopes
+    rates: FloatArray, width: FloatArray, decay: FloatArray, phi: FloatArray, first: SingleArray, second: SingleArray
 ) -> None:
     """Fill in both, in ways that lose no figures where two rates are near each other, or near 0.
 

@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients.checks.model_checks import FASTEST as FASTEST_OF_A_FILE
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.physics import Shape
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.partial import Partial
 from gen.identification.network.fitting.physics import Physical
 

@@ -11,9 +11,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import Binned, FloatArray, IntArray
+from gen.arrays import BoolArray, FloatArray, IntArray
+from gen.identification.network.fitting.bins import Binned
 
 MOST_LEVELS = 1500
 """Where more distinct inputs occur, speeds are rounded."""
@@ -63,7 +63,7 @@ class Levels:
         return self.width.size
 
     @property
-    def turns(self) -> NDArray[np.bool_]:
+    def turns(self) -> BoolArray:
         """Whether they count as speeds, shape (L,); the others are rest. None does where the motor never turned."""
         share = 1.0 - self.rest
         return np.asarray(share > TURNS * share.max(initial=0.0))
@@ -163,7 +163,7 @@ class Inputs:
         return self.levels.rest[self.level]
 
     @property
-    def turns(self) -> NDArray[np.bool_]:
+    def turns(self) -> BoolArray:
         """Whether the motor turns in each bin, shape (N,)."""
         return self.levels.turns[self.level]
 

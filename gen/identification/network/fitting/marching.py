@@ -7,12 +7,9 @@ longest run first. Arrays are contiguous; what a function fills comes last.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray, SingleArray
 from gen.compiled import compiled
-from gen.identification.network.fitting.bins import FloatArray, IntArray
-
-Slopes = NDArray[np.float32]
 
 ROUNDS = 4
 """Of what natural convection takes within a bin: each leaves a quarter of the error of the one before, or less."""
@@ -134,13 +131,13 @@ def march_in_still_air(
 def march_slopes(
     first: IntArray,
     level: IntArray,
-    matrix: Slopes,
-    sources: Slopes,
-    share: Slopes,
+    matrix: SingleArray,
+    sources: SingleArray,
+    share: SingleArray,
     lagging: IntArray,
-    start: Slopes,
-    shown: Slopes,
-    changes: Slopes,
+    start: SingleArray,
+    shown: SingleArray,
+    changes: SingleArray,
 ) -> None:
     """Fill in the derivatives of the sensed nodes' temperatures at the readings' time.
 
@@ -189,20 +186,20 @@ def march_slopes(
 @compiled
 def units(
     level: IntArray,
-    vectors: Slopes,
-    first: Slopes,
-    second: Slopes,
-    phi: Slopes,
-    root: Slopes,
+    vectors: SingleArray,
+    first: SingleArray,
+    second: SingleArray,
+    phi: SingleArray,
+    root: SingleArray,
     ends: IntArray,
-    modal: Slopes,
-    forced: Slopes,
-    rate: Slopes,
-    ambient: Slopes,
-    stored: Slopes,
-    flow: Slopes,
-    warmed: Slopes,
-    warmth: Slopes,
+    modal: SingleArray,
+    forced: SingleArray,
+    rate: SingleArray,
+    ambient: SingleArray,
+    stored: SingleArray,
+    flow: SingleArray,
+    warmed: SingleArray,
+    warmth: SingleArray,
 ) -> None:
     """Fill in what a unit of each capacity (its logarithm), conductance and heat adds to the temperatures in each bin.
 

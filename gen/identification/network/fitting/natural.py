@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.marching import excess_of
 from gen.identification.network.fitting.partial import Partial
 

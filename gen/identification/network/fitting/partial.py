@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.compiled import compiled
-from gen.identification.network.fitting.bins import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Inputs, held, joined, turning
 from gen.identification.network.fitting.structure import Structure
 from gen.model.network_past import SPEEDS, Dynamics, speeds_of_pasts, start_weights

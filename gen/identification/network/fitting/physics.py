@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.partial import Partial

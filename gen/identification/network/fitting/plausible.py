@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import held
 from gen.identification.network.fitting.physics import Shape
 from gen.identification.network.fitting.steady import settled

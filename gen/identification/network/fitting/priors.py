@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.driven import known
 from gen.identification.network.fitting.growing import UNSURE_PER_K, USUAL_PER_K
 from gen.identification.network.fitting.inputs import ROOM_S, START_K, Inputs

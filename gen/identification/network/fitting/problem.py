@@ -12,9 +12,8 @@ from typing import Generic, TypeVar
 import numpy as np
 from scipy.linalg.blas import dsyrk
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray, SingleArray
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.physics import Begun, Physical, Shape
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.simulation import Steps, sensitivities, simulate, steps_of
@@ -144,7 +143,7 @@ class Problem(Generic[S_co]):
         """Where nodes begin beside what each run has of its own, shape (R, n), degC."""
         return self._begin(vector)[0] - self.per_run(vector)[:, : self.structure.nodes]
 
-    def _with_starts(self, slopes: Slopes, begun: Begun) -> None:
+    def _with_starts(self, slopes: SingleArray, begun: Begun) -> None:
         """Let hidden nodes' starts go with what they follow from, in place.
 
         Parameters
@@ -203,7 +202,7 @@ class Problem(Generic[S_co]):
         """Give the normal equations of runs that were simulated."""
         return self.weighed_up(self.compared(passage), self.slopes_along(passage))
 
-    def weighed_up(self, evaluated: Evaluated, slopes: Slopes) -> tuple[Evaluated, Normal]:
+    def weighed_up(self, evaluated: Evaluated, slopes: SingleArray) -> tuple[Evaluated, Normal]:
         """Give the normal equations with this problem's weights, of whatever weights the same runs were evaluated."""
         evaluated = replace(evaluated, cost=self._cost(evaluated.residual))
         root = np.sqrt(self.inputs.weight)
@@ -220,7 +219,7 @@ class Problem(Generic[S_co]):
             right[r] = lines.T @ weighed[row].ravel()
         return evaluated, Normal(matrix, right)
 
-    def slopes(self, vector: FloatArray) -> tuple[Evaluated, Slopes]:
+    def slopes(self, vector: FloatArray) -> tuple[Evaluated, SingleArray]:
         """Simulate, and give the derivatives of the modelled readings.
 
         Returns
@@ -231,7 +230,7 @@ class Problem(Generic[S_co]):
         passage = self.passage(vector)
         return self.compared(passage), self.slopes_along(passage)
 
-    def slopes_along(self, passage: Passage) -> Slopes:
+    def slopes_along(self, passage: Passage) -> SingleArray:
         """Give the derivatives alone, of runs that were simulated."""
         structure, inputs, vector = self.structure, self.inputs, passage.vector
         path = passage.before, passage.after

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
 
 

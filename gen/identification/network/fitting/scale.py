@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 
 _GRID = 16

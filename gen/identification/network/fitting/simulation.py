@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray, SingleArray
 from gen.identification.network.fitting.divided import divided_differences
 from gen.identification.network.fitting.inputs import Inputs, Levels
-from gen.identification.network.fitting.marching import Slopes, march, march_in_still_air, march_slopes, units
+from gen.identification.network.fitting.marching import march, march_in_still_air, march_slopes, units
 from gen.identification.network.fitting.natural import Natural
 from gen.identification.network.fitting.physics import Physical, Shape
 
@@ -138,8 +138,13 @@ class _Further:
         return np.asarray(-self._conductance * self._natural.excess(difference))
 
     def answered(
-        self, structure: Shape, inputs: Inputs, path: tuple[FloatArray, FloatArray], matrix: Slopes, sources: Slopes
-    ) -> tuple[Slopes, Slopes]:
+        self,
+        structure: Shape,
+        inputs: Inputs,
+        path: tuple[FloatArray, FloatArray],
+        matrix: SingleArray,
+        sources: SingleArray,
+    ) -> tuple[SingleArray, SingleArray]:
         """Give each bin's step and what each parameter adds in it, with what that changes of this heat."""
         before, after = path
         difference = 0.5 * (before + after) - self._ambient[:, None]
@@ -162,7 +167,7 @@ def sensitivities(
     steps: Steps,
     path: tuple[FloatArray, FloatArray],
     room: FloatArray,
-) -> tuple[Slopes, Slopes]:
+) -> tuple[SingleArray, SingleArray]:
     """Derivatives of the sensed nodes' temperatures at the readings' time.
 
     Parameters
@@ -205,7 +210,7 @@ def sources_of(
     before: FloatArray,
     room: FloatArray,
     further: FloatArray | None = None,
-) -> Slopes:
+) -> SingleArray:
     """Give what each parameter adds to the temperatures within one bin, shape (N, n, p).
 
     It is affine in `before`, and in `further`: heat at each node that does not go with the input, shape (N, n), W.

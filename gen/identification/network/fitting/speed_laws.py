@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.compiled import compiled
 from gen.identification.network.fitting.bends import BEND, KNOTS, bend_precision, spline
-from gen.identification.network.fitting.bins import FloatArray
 
 MOVED_POWER = 1.0
 """Of moved air. Along a wall it goes with w^0.5 (laminar) to w^0.8 (turbulent), but still and moved air combine as the

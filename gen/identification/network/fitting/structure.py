@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.at_start import begun, begun_from
 from gen.identification.network.fitting.bends import BEND
-from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.followed import too_fast
 from gen.identification.network.fitting.growing import grown
 from gen.identification.network.fitting.inputs import Inputs, Levels

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import Binned, FloatArray
+from gen.arrays import FloatArray
+from gen.identification.network.fitting.bins import Binned
 from gen.identification.network.fitting.inputs import Inputs
 
 WINDOW_S = 600.0

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients.network_curves import six_digits
 from gen.coefficients.provenance import ErrorBand
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.telling.forecast import Band, bands, widened

@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, Document, dump, parse
 from gen.coefficients.base import told
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
@@ -31,7 +31,6 @@ from gen.coefficients.versions import FORMAT, VERSION
 from gen.errors import CheckFailed, InputError
 from gen.identification.drive import input_entry
 from gen.identification.network.fitting.as_found import usual
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.followed import FASTEST
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
@@ -239,7 +238,7 @@ def _fed(result: NetworkFound, names: tuple[str, ...]) -> tuple[tuple[ChannelEnt
     return tuple(channels), tuple(heats)
 
 
-def _path_curve(law: Law, pwm: NDArray[np.int64], value: FloatArray, full_scale: int) -> CurveEntry:
+def _path_curve(law: Law, pwm: IntArray, value: FloatArray, full_scale: int) -> CurveEntry:
     """A path's curve from its values at rest and at the tables' points."""
     if law is CONSTANT:
         return PolyCurve(poly=(six_digits(float(value[0])),))

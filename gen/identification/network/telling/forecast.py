@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.arrays import BoolArray, FloatArray
 from gen.coefficients.provenance import ERROR_WINDOWS
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.left_out import LeftOut, Mask
+from gen.identification.network.left_out import LeftOut
 
 LEAST_SHARE = 0.2
 """Windows that are covered less than others by this factor do not count."""
@@ -83,7 +83,7 @@ def _ranges(pwm: FloatArray) -> list[tuple[int, int]]:
     return list(zip(lows, highs, strict=True))
 
 
-def _within(inputs: Inputs, pwm: tuple[int, int], full_scale: int) -> Mask:
+def _within(inputs: Inputs, pwm: tuple[int, int], full_scale: int) -> BoolArray:
     """Bins of a range of |PWM|, rest being one of its own, shape (N,)."""
     if pwm == (0, 0):
         return np.asarray(inputs.rest > AT_REST)

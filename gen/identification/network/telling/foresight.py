@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray, binned
+from gen.arrays import FloatArray
+from gen.identification.network.fitting.bins import binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.identification.network.fitting.priors import prior_of
 from gen.identification.network.fitting.problem import Evaluated, Problem

@@ -10,9 +10,9 @@ import numpy as np
 from jinja2 import Environment
 from markupsafe import Markup
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
 from gen.identification.choice.decision import Decision
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound, curves
 from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.rises import steady_rise_title

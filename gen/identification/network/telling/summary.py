@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.grades import GOOD_K, NOISES, Grade, Miss, told, worse_than
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.left_out import FEW, each_alone
 from gen.identification.network.telling.coarse import coarse

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.bends import BEND
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.driven import CURRENT, POWER
 from gen.identification.network.telling.as_json import as_json
 from gen.identification.network.telling.rises import steady_rise_title

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.bends import BEND
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels, held
 from gen.identification.network.fitting.speed_laws import HEAT
 from gen.identification.network.fitting.steady import settled

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from gen.arrays import FloatArray
 from gen.model.dynamics import MAX_PWM, PWM_LEVELS
-from gen.model.effects.base import Array, Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
+from gen.model.effects.base import Effect, Free, Lanes, Moment, Parameters, Setting, Values, Variant
 
 if TYPE_CHECKING:
     from gen.model.dynamics import ThermalModel
@@ -123,14 +124,14 @@ class ScheduleError(Effect):
         return scaled(model, component, steady, np.full(PWM_LEVELS, float(p["rate_factor"])))
 
 
-def _factor(count: Array, p: Values) -> Lanes:
+def _factor(count: FloatArray, p: Values) -> Lanes:
     factor = interpolated(count, p["pwm"], p["gain_factor"])
     if "peak_factor" not in p:
         return factor
     return factor * (1.0 + (p["peak_factor"] - 1.0) * np.exp(-(((count - p["middle_pwm"]) / p["width_pwm"]) ** 2)))
 
 
-def interpolated(count: Array, levels: tuple[int, ...], factors: Lanes) -> Lanes:
+def interpolated(count: FloatArray, levels: tuple[int, ...], factors: Lanes) -> Lanes:
     """Linear interpolation whose values may be arrays of lanes; the end values hold outside."""
     if len(levels) == 1:
         return factors[0]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 
 POWERS = (1, 2, 0.5)

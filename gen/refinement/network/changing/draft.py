@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.partial import Partial
 from gen.identification.network.fitting.physics import Physical
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients import Coefficients
-from gen.identification.network.fitting.bins import FloatArray
 from gen.model.laws import Radiation
 from gen.model.network import Network
 from gen.model.network_solution import NetworkSolution

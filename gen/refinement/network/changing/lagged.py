@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 
 SHORT_S = 1e-3
@@ -62,7 +62,7 @@ class Lagged:
         return np.asarray(self._kept(read) * self._carried(kept, own(kept, whole)) + own(self._kept(read), read))
 
     @cached_property
-    def _usual(self) -> NDArray[np.bool_]:
+    def _usual(self) -> BoolArray:
         return np.asarray(self.lag > SHORT_S)
 
     @property

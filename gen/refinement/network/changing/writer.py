@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients.checks.model_checks import FASTEST
 from gen.coefficients.network import (
     ChannelEntry,
@@ -22,7 +23,6 @@ from gen.coefficients.network import (
 )
 from gen.coefficients.network_curves import points_of, six_digits, tabulated, values_of
 from gen.errors import InputError
-from gen.identification.network.fitting.bins import FloatArray
 from gen.model.laws import ZERO_C
 from gen.model.network_parts import AMBIENT, PWM
 

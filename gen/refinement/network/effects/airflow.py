@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.columns import Columns
 from gen.refinement.network.changing.draft import Draft

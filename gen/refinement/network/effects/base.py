@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.columns import Columns
 from gen.refinement.network.changing.draft import Draft, Slope

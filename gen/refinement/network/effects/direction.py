@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from gen.arrays import FloatArray
 from gen.coefficients.network import FactorEntry, FactorPoints
 from gen.coefficients.network_curves import six_digits
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.model.network_parts import PWM
 from gen.refinement.network.changing.draft import Draft

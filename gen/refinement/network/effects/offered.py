@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray
 
 AMPERE, VOLT = ("_A", "_mA"), ("_V", "_mV")
 ELSE = ("_degC", "_degF", "_K", "_pct_RH")
@@ -64,7 +63,7 @@ class Offered:
         """Channels that may be a flow of air: all in other units, but no temperatures."""
         return [name for name in self.ranges if not name.endswith((*AMPERE, *VOLT, *ELSE))]
 
-    def was_run(self, speeds: FloatArray, within: float) -> NDArray[np.bool_]:
+    def was_run(self, speeds: FloatArray, within: float) -> BoolArray:
         """Say which speeds, shape (K,), it turned at for long enough, or at some within a share of full speed."""
         percent = np.linspace(0.0, 1.0, len(self.turned_s))
         near = np.abs(speeds[:, None] - percent) < within + 1e-9

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray, FloatArray
 from gen.identification.network.fitting.bends import BEND, KNOTS, WIDE, Bend
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
 from gen.refinement.network.changing.writer import NetworkWriter
@@ -52,7 +51,7 @@ class ScheduleError(NetworkEffect):
         nodes: Sequence[int],
         component: str,
         bend: Bend = WIDE,
-        unknown: NDArray[np.bool_] | None = None,
+        unknown: BoolArray | None = None,
     ) -> None:
         self.component = component
         self._nodes, self._columns, self._bend = tuple(nodes), motor.columns, bend

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.model.network_parts import AMBIENT
 from gen.refinement.network.changing.writer import NetworkWriter
 from gen.refinement.network.effects.base import Added, Motor, NetworkEffect, Number, Seen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
 from gen.refinement.network.changing.writer import NetworkWriter

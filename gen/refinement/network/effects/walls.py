@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 from gen.refinement.network.changing.draft import Draft
 from gen.refinement.network.changing.writer import NetworkWriter

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.at_start import begun_from
-from gen.identification.network.fitting.bins import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.identification.network.fitting.physics import Begun, Physical, incidence_of, outer_of
 from gen.model.network import Network

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from gen.arrays import BoolArray, FloatArray
 from gen.coefficients import Coefficients
-from gen.identification.network.fitting.bins import Binned, FloatArray, binned
+from gen.identification.network.fitting.bins import Binned, binned
 from gen.identification.network.fitting.inputs import Inputs, inputs_of
 from gen.model.dynamics import MAX_PWM
 from gen.refinement.network.changing import excess
@@ -68,7 +68,7 @@ class Data:
     declared: FloatArray
 
     @property
-    def is_later(self) -> NDArray[np.bool_]:
+    def is_later(self) -> BoolArray:
         """Whether a bin is of a later run, shape (N,)."""
         return np.asarray(self.inputs.run < self.later)
 

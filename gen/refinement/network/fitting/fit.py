@@ -9,10 +9,9 @@ from functools import partial
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray, SingleArray
 from gen.identification.network.fitting.fit import Fit, settle
 from gen.identification.network.fitting.inputs import Inputs
-from gen.identification.network.fitting.marching import Slopes
 from gen.identification.network.fitting.priors import Prior
 from gen.identification.network.fitting.problem import Evaluated, Problem
 from gen.identification.network.fitting.rooms import share_level
@@ -20,7 +19,7 @@ from gen.identification.network.fitting.weights import density
 from gen.refinement.network.effects.base import Seen
 from gen.refinement.network.fitting.anchored import Anchored
 from gen.refinement.network.fitting.data import Data
-from gen.refinement.network.fitting.folds import Mask, folds_of
+from gen.refinement.network.fitting.folds import folds_of
 from gen.side_by_side import side_by_side
 
 AT_FIRST, AT_EACH, AT_LAST, AT_LEFT_OUT, AT_TRIAL = 20, 16, 40, 4, 6
@@ -245,7 +244,7 @@ class Bench:
             error[seen] = residual[seen]
         return error
 
-    def _predicted(self, fitted: Fitted, known: tuple[Evaluated, Slopes], mask: Mask) -> FloatArray:
+    def _predicted(self, fitted: Fitted, known: tuple[Evaluated, SingleArray], mask: BoolArray) -> FloatArray:
         """What is left of all readings, shape (N, S), K, where one fold took no part in the fit."""
         problem = fitted.problem
         without = problem.weighed(np.where(mask[:, None], 0.0, problem.inputs.weight))

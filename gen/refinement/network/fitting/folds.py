@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gen.arrays import BoolArray
 from gen.refinement.network.fitting.data import Data
 
 FEW = 3
@@ -13,10 +13,8 @@ FOLDS, TURNS = 4, 2
 """Each such run is cut into so many stretches, and each fold leaves out every fourth: two of each run."""
 MOST_FOLDS = 5
 
-Mask = NDArray[np.bool_]
 
-
-def folds_of(data: Data) -> list[Mask]:
+def folds_of(data: Data) -> list[BoolArray]:
     """Give the bins that each fold leaves out, shape (N,) each; what the file stands for is never left out."""
     inputs = data.inputs
     if data.later > FEW:

@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.bends import KNOTS, bend_precision, spline
-from gen.identification.network.fitting.bins import FloatArray
 from gen.identification.network.fitting.inputs import Levels
 
 SLOW = 0.2

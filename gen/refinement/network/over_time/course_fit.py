@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.problem import Problem
 from gen.identification.network.fitting.weights import independent
 from gen.refinement.network.effects.base import WHOLE

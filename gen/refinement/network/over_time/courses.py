@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray, IntArray
+from gen.arrays import FloatArray, IntArray
 from gen.identification.network.fitting.inputs import Inputs
 
 BLOCK_S, MOST_BLOCKS = 300.0, 400

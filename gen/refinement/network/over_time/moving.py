@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Inputs, Levels
 from gen.refinement.network.changing.draft import Draft
 from gen.refinement.network.changing.draft import Quantity as Drafted

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 from scipy.stats import pearsonr
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray
 from gen.refinement.network.over_time.courses import Course
 
 UNEVEN = 0.45
@@ -109,13 +108,13 @@ class _Turning:
         found = np.linalg.lstsq(functions * root[:, None], value * root, rcond=None)[0]
         return np.asarray(functions @ found)
 
-    def square(self, value: FloatArray, where: NDArray[np.bool_] | None = None) -> float:
+    def square(self, value: FloatArray, where: BoolArray | None = None) -> float:
         """Its mean square, in some blocks or in all."""
         weight = self.weight if where is None else np.where(where, self.weight, 0.0)
         return float(np.average(value**2, weights=weight))
 
     @property
-    def held(self) -> NDArray[np.bool_]:
+    def held(self) -> BoolArray:
         """Blocks before and after which the speed was the same: of a course others tell that speed's value late."""
         same = (np.abs(np.diff(self.speed)) < HELD) & (np.diff(self.run) == 0)
         return np.asarray(np.r_[False, same] & np.r_[same, False])

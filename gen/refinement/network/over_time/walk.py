@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.identification.network.fitting.inputs import Inputs
 from gen.refinement.network.over_time.courses import Blocks
 

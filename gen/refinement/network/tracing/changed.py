@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.refinement.network.effects import HiddenNode, NetworkEffect, ScheduleError, SensorGain
 from gen.refinement.network.effects.base import GROWN, WHOLE
 from gen.refinement.network.fitting.data import Data

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import FloatArray
 from gen.refinement.gains import p_of_gains
 from gen.refinement.network.effects import NetworkEffect
 from gen.refinement.network.fitting.data import Data

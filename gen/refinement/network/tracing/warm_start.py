@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gen.identification.network.fitting.bins import FloatArray
+from gen.arrays import BoolArray, FloatArray
 from gen.refinement.gains import LEAST_GAIN, LEVEL
 from gen.refinement.network.effects.walls import Walls
 from gen.refinement.network.fitting.anchored import Anchored
@@ -179,7 +178,7 @@ def _free(
     unit: FloatArray,
     residual: FloatArray,
     weight: FloatArray,
-    seen: NDArray[np.bool_],
+    seen: BoolArray,
     said: FloatArray,
     most: FloatArray,
 ) -> FloatArray:
@@ -197,7 +196,7 @@ def _change(
     unit: FloatArray,
     residual: FloatArray,
     weight: FloatArray,
-    seen: NDArray[np.bool_],
+    seen: BoolArray,
     said: FloatArray,
     most: FloatArray,
 ) -> FloatArray:

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.model.effects.integrate import readings
 from gen.refinement.parts.hypotheses import terms_of
 from gen.refinement.parts.simulation_fit import fit
 from gen.refinement.parts.trace_state import ComponentState, Say, TraceState
-from gen.runs.run import FloatArray
 
 
 def couple(state: TraceState, say: Say) -> TraceState:
