@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.names import slug
 from gen.importing.numbers import parse
-from gen.importing.table import Column, Counted, FloatArray, Table, texts_of
+from gen.importing.table import Column, Counted, Table, texts_of
 
 _PARTS = (
     ("year", "yyyy", "yr", "jahr", "annee", "anno", "ano", "jaar"),

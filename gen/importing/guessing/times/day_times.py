@@ -6,9 +6,10 @@ import re
 
 import numpy as np
 
+from gen.arrays import FloatArray
 from gen.importing.guessing.times.plain_steps import evenness
 from gen.importing.guessing.times.rewriting import each_rewritten
-from gen.importing.table import Column, FloatArray, Table
+from gen.importing.table import Column, Table
 
 _FOUR = re.compile(r"(\d{1,4}):(\d{1,2}):(\d{2}):(\d{2})(?:[.,](\d{1,9}))?", re.ASCII)
 _LEAST_ROWS = 3

@@ -12,10 +12,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from gen.arrays import FloatArray, IntArray
 from gen.importing import clock
 from gen.importing.guessing.names import TIME
 from gen.importing.numbers import parse
-from gen.importing.table import Column, Counted, FloatArray, IntArray, Table, texts_of
+from gen.importing.table import Column, Counted, Table, texts_of
 from gen.importing.units import split_name
 
 _NANOS, _MICROS, _MILLIS, _HUNDREDTHS, _SECOND = 1e-3, 1.0, 1e3, 1e4, 1e6

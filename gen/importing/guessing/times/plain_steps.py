@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gen.importing.table import FloatArray
+from gen.arrays import FloatArray
 
 _EVEN = 0.8
 """Of the steps, those that are alike in a log whose rows come at one interval."""
