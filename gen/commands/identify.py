@@ -81,6 +81,7 @@ def identify(
 ) -> None:
     """Identify a speed-scheduled model from measured runs and write its coefficient file."""
     from gen.coefficients.names import name_fault
+    from gen.coefficients.sample_time import milliseconds
     from gen.errors import InputError
     from gen.files import check_outputs, write_text
     from gen.interface import identify as run
@@ -89,6 +90,7 @@ def identify(
     fault = name_fault(name)
     if fault:
         raise InputError(fault, place="--name")
+    milliseconds(sample_time, "--sample-time")
     check_outputs((out, json_file, report), runs)
     check_once(runs)
     for path in runs:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, overload
 
+from gen.coefficients.sample_time import milliseconds
 from gen.errors import InputError
 from gen.interface.arguments import one_of, several, whole, within
 from gen.interface.files import RunLike, run_files
@@ -339,6 +340,7 @@ def identify(
     if ambient is not None:
         within("ambient", ambient, -273.15, 1000.0)
     within("sample_time", sample_time, 0.001, 3600.0)
+    milliseconds(sample_time, "sample_time")
     whole("full_scale", full_scale, 1, 255)
     within("rpm", rpm, 1e-3, 1e9)
     whole("max_order", max_order, 1, 4)

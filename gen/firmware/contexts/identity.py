@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypedDict
 
 from gen.coefficients import Coefficients
+from gen.coefficients.sample_time import milliseconds
 from gen.lowering.kinds import Arithmetic, ScheduleKind
 from gen.lowering.program import Program
 from gen.version import __version__
@@ -46,6 +47,11 @@ def identity(coefficients: Coefficients, program: Program, source_name: str) -> 
         What is emitted.
     source_name
         The coefficient file's name as comments show it.
+
+    Raises
+    ------
+    InputError
+        When the sample time is no whole number of milliseconds.
     """
     model = program.model
     return {
@@ -58,7 +64,7 @@ def identity(coefficients: Coefficients, program: Program, source_name: str) -> 
         "arithmetic": program.arithmetic,
         "schedule": program.schedule,
         "sample_time": f"{model.sample_time:g}",
-        "sample_ms": round(model.sample_time * 1000.0),
+        "sample_ms": milliseconds(model.sample_time),
         "full_scale": model.full_scale,
         "input_meaning": coefficients.document.input.meaning,
         "ambient_mC": round((model.ambient_fixed if model.ambient_fixed is not None else ROOM_degC) * 1000.0),

@@ -9,6 +9,7 @@ from gen.coefficients import Coefficients
 from gen.coefficients.document import Document
 from gen.coefficients.protecting import protections, watched_channels
 from gen.coefficients.protection import Protection
+from gen.coefficients.sample_time import milliseconds
 from gen.coefficients.wiring import Wiring
 from gen.firmware.alarm_text import AlarmText, alarm_texts
 from gen.firmware.boards import BOARDS, Board
@@ -121,7 +122,7 @@ def device_context(coefficients: Coefficients, program: Program) -> DeviceContex
     board = BOARDS[document.board]
     drive, encoder, observe = wiring.drive, wiring.encoder, wiring.observe
     sample_time, full_scale = program.model.sample_time, document.input.full_scale
-    sample_ms = round(sample_time * 1000.0)
+    sample_ms = milliseconds(sample_time)
     first_input = sum(channel.analog_pin is not None for channel in wiring.channels)
     sensors = sensors_context(board, coefficients, wiring.thermocouples, program, sample_ms, first_input)
     memory = memory_context(board, wiring, sensors, program, coefficients.sha256, sample_ms)
