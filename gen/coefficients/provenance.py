@@ -38,6 +38,15 @@ class Provenance(Part):
         dict[str, dict[str, Number]], Field(description="By component: figures of the fit, unit in the name.")
     ] = Field(default_factory=dict)
     error: tuple[ErrorBand, ...] = ()
+    ambient_degC: Annotated[
+        tuple[Number, Number] | None, Field(description="[lowest, highest] ambient of the runs in data.")
+    ] = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Provenance:
+        if self.ambient_degC is not None:
+            ordered(*self.ambient_degC, "ambient_degC")
+        return self
 
     def said_by(self, source: str) -> Provenance:
         """Give the same with another source."""

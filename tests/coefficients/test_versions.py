@@ -88,6 +88,7 @@ FROZEN_2: dict[str, tuple[str, dict[str, float]]] = {
         "f537c879ede233f20f8291be150526a2d52800dfa9ce1f0df3bca059b19f7f3f",
         FROZEN["identified.json"][1],
     ),
+    "known_room.json": ("ae08d8515e726a49817704741e750880cde796b06a317effcde8d2c50dd18e82", FROZEN["my1016.json"][1]),
     "looking_ahead.json": (
         "313fbdb8a2869b7b40282f00002db297aef1a8ded72594103576620eea5cfcbf",
         FROZEN["my1016.json"][1],

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gen.coefficients.base import told
 from gen.errors import InputError
 from gen.identification.drive import common_drive, machine_of
 from gen.identification.logs.ambients import UNKNOWN_K, ambients_of
@@ -80,6 +81,13 @@ class NetworkData:
     def coldest_degC(self) -> float:
         """The lowest ambient of the runs."""
         return min(float(run.ambient.min()) for run in self.fine)
+
+    @property
+    def ambient_range(self) -> tuple[float, float] | None:
+        """The lowest and the highest ambient of the runs, degC, where anything says it."""
+        if self.ambient_unsure_K:
+            return None
+        return told(self.coldest_degC), told(max(float(run.ambient.max()) for run in self.fine))
 
     @property
     def widest_K(self) -> float:

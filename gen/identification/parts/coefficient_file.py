@@ -12,6 +12,7 @@ import numpy as np
 
 from gen.arrays import FloatArray, IntArray
 from gen.coefficients import Coefficients, Document, dump, parse
+from gen.coefficients.base import told
 from gen.coefficients.document import Accuracy, Ambient, Domain, Validity
 from gen.coefficients.messages import building
 from gen.coefficients.provenance import ERROR_WINDOWS, ErrorBand, Provenance
@@ -124,6 +125,7 @@ def _document(
             data=tuple(Path(source.path).name for source in data.sources),
             fit={name: _figures(item) for name, item in found.items()},
             error=tuple(band for name, item in found.items() for band in error_bands(name, item)),
+            ambient_degC=_ambients(data),
         ),
     )
 
@@ -134,10 +136,16 @@ def _speeds_text(found: Mapping[str, Identified]) -> str:
     return f"PWM {', '.join(map(str, speeds))}{' and cooling at standstill' if still else ''}"
 
 
-def _domain(data: Data, found: Mapping[str, Identified], settings: Settings) -> Domain:
+def _ambients(data: Data) -> tuple[float, float] | None:
+    """Lowest and highest ambient of the runs, degC, as far as anything says it."""
     ambients = [a for s in data.sources if s.run.ambient is not None for a in s.run.ambient[np.isfinite(s.run.ambient)]]
     ambients += [data.ambient_fixed] if data.ambient_fixed is not None else []
-    cold, warm = min([-10.0, *ambients]), max([50.0, *ambients])
+    return (told(min(ambients)), told(max(ambients))) if ambients else None
+
+
+def _domain(data: Data, found: Mapping[str, Identified], settings: Settings) -> Domain:
+    known = _ambients(data) or ()
+    cold, warm = min([-10.0, *known]), max([50.0, *known])
     hottest = max(float(np.max(r.raw_rise)) for item in found.values() for r in item.problem.records) + warm
     steady = max(float(np.max(item.band.steady)) for item in found.values()) + warm
     top = min(10.0 * math.ceil(max(150.0, 1.1 * hottest, 1.1 * steady) / 10.0), 5000.0)

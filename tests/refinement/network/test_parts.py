@@ -185,3 +185,26 @@ def test_a_gain_of_the_only_sensor_is_the_motor_s_heat_as_well(gain: float, says
     said = looks_like_a_change(effect, (gain,), alone)
     assert says in said
     assert "the motor has changed since the file was made, or the file was wrong there" in said
+
+
+@pytest.mark.parametrize(
+    ("identified", "said"),
+    [
+        (None, ""),
+        ((21.0, 26.0), ""),
+        ((30.0, 34.0), "and 30 to 34 degC in those of the file"),
+        ((36.5, 36.5), "and 36 degC in those of the file"),
+        ((-4.0, 19.5), ""),
+        ((-4.0, 12.0), "and -4 to 12 degC in those of the file"),
+    ],
+)
+def test_a_change_in_another_season_says_so(identified: tuple[float, float] | None, said: str) -> None:
+    """In a colder room grease is stiffer, and copper conducts better: neither is a fault."""
+    made = replace(data(2), identified_degC=identified)
+    network = read(tree()).model.network
+    assert network is not None
+    motor = Anchored.of(network, 255, made.columns).motor()
+    found = looks_like_a_change(ScheduleError(motor, [0], "winding"), (1.0, 1.3, 1.4, 1.5, 1.4, 1.3), made)
+    assert "its heat has grown" in found
+    assert ("in a room as then" in found) == bool(said)
+    assert said in found

@@ -131,6 +131,7 @@ def _document(result: NetworkFound, settings: Settings, note: str) -> Document:
             data=tuple(Path(source.path).name for source in result.data.sources),
             fit=_figures(result),
             error=tuple(error_bands(result, spread, turned_range(result))),
+            ambient_degC=result.data.ambient_range,
         ),
     )
 

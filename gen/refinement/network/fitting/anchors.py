@@ -32,7 +32,7 @@ def anchors(coefficients: Coefficients) -> list[Run]:
     low, high = max(validity[0], 1), validity[1]
     speeds = np.unique(np.rint(np.linspace(max(low, 0.15 * high), high, SPEEDS)).astype(np.int64))
     rests = validity[0] == 0
-    ambient = model.ambient_fixed if model.ambient_fixed is not None else USUAL_AMBIENT
+    ambient = model.ambient_fixed if model.ambient_fixed is not None else _usual_ambient(coefficients)
     solution = NetworkSolution(model)
     made = []
     for speed in speeds.tolist():
@@ -44,6 +44,18 @@ def anchors(coefficients: Coefficients) -> list[Run]:
         temps = solution.simulate_times(time, pwm, ambient)
         made.append(Run(time, pwm, temps, np.full(time.size, ambient)))
     return made
+
+
+def _usual_ambient(coefficients: Coefficients) -> float:
+    """Of the runs that the file came from, degC, where it says so."""
+    room = identified_ambient(coefficients)
+    return USUAL_AMBIENT if room is None else float(np.mean(room))
+
+
+def identified_ambient(coefficients: Coefficients) -> tuple[float, float] | None:
+    """Give the lowest and the highest ambient of the runs that the file came from, degC, where it says so."""
+    provenance = coefficients.document.provenance
+    return None if provenance is None else provenance.ambient_degC
 
 
 def declared_density(coefficients: Coefficients) -> FloatArray:

@@ -18,7 +18,7 @@ from gen.refinement.network.changing import excess
 from gen.refinement.network.changing.columns import Columns
 from gen.refinement.network.changing.freed import freed
 from gen.refinement.network.effects import Offered
-from gen.refinement.network.fitting.anchors import anchors, declared_density
+from gen.refinement.network.fitting.anchors import anchors, declared_density, identified_ambient
 from gen.replay import Inputs as Driven
 from gen.replay import inputs_of as driven_by
 from gen.runs import Run
@@ -59,6 +59,8 @@ class Data:
         What the later runs offer to explain an error with.
     declared
         Density of the errors that the file declares, shape (S,), K^2 s.
+    identified_degC
+        Lowest and highest ambient of the runs that the file came from, where it says so.
     """
 
     inputs: Inputs
@@ -66,6 +68,7 @@ class Data:
     columns: Columns
     offered: Offered
     declared: FloatArray
+    identified_degC: tuple[float, float] | None = None
 
     @property
     def is_later(self) -> BoolArray:
@@ -120,6 +123,7 @@ def make_data(coefficients: Coefficients, runs: Sequence[tuple[str, Run]], *, as
         columns,
         _offered(runs, driven, columns, names, full_scale),
         declared_density(coefficients),
+        identified_ambient(coefficients),
     )
 
 

@@ -22,6 +22,9 @@ does what asks for less heat."""
 RISES = 0.5
 """What wear adds at the highest speed is at least this share of what it adds at any: what rubs, and the current that it
 asks for, heat more the faster it turns. A resonance does not."""
+OTHER_ROOM_K = 5.0
+"""An ambient further than this beyond all that a file knows is another season's: what heats by a law of temperature
+that nobody told the file (copper, grease) heats otherwise there."""
 QUICK_S, WARM, HOT = 100.0, 1.0, 5.0
 """A part without a sensor is heat rather than mass if its heat would warm it this many times as fast as the motor's
 warms the motor: more than `WARM` where it follows its node sooner than this, `HOT` however late it follows."""
@@ -48,7 +51,22 @@ def looks_like_a_change(effect: NetworkEffect, values: Sequence[float], data: Da
         return found
     return (
         f"{found}: the motor has changed since the file was made, or the file was wrong there: run "
-        f"{100.0 * float(np.median(speed)):.0f} % again as then"
+        f"{100.0 * float(np.median(speed)):.0f} % again as then{_other_room(data)}"
+    )
+
+
+def _other_room(data: Data) -> str:
+    """Say that the later runs had another ambient than those of the file; nothing where they had not."""
+    if data.identified_degC is None:
+        return ""
+    coldest, warmest = data.identified_degC
+    room = float(np.median(data.inputs.ambient[data.is_later]))
+    if coldest - OTHER_ROOM_K <= room <= warmest + OTHER_ROOM_K:
+        return ""
+    known = f"{coldest:.0f} to {warmest:.0f}" if warmest - coldest >= 1.0 else f"{coldest:.0f}"
+    return (
+        f", and in a room as then: it was {room:.0f} degC in these runs and {known} degC in those of the file, and "
+        "grease, or copper, heats otherwise in another room without any fault"
     )
 
 
