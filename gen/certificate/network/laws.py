@@ -70,6 +70,8 @@ class Law:
         """The least and the largest of its slope by the first temperature."""
         if self.polynomial:
             low, high = enclosed(self.slopes, _widest(one, other))
+            if min(self.slopes) >= 0.0:  # then it is not negative anywhere, also where the enclosure reaches below 0
+                low = max(low, 0.0)
         else:
             low, high = (((end + ZERO_C) / self.reference) ** 3 for end in one)
         return low / self.scale * (1.0 - ROUGHLY), high / self.scale * (1.0 + ROUGHLY)

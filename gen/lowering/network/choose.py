@@ -87,7 +87,7 @@ def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Float
     Raises
     ------
     CheckFailed
-        If no bound can be proven.
+        If no bound can be proven, or no words hold what changes in a sample.
     """
     factors, laws = told
     shape = fixed.choose_format(terms, factors, first, bits)
@@ -104,7 +104,11 @@ def fixed_form(terms: Terms, ranges: Ranges, bits: int, told: Told, first: Float
             defect, words = defects(terms, first, orders, left, rounding)
             if fixed.fit(shape, products, series, first + rounding.first, words):
                 trials.append(_Trial(orders, products, series, defect, _cost(terms, orders, products)))
-    assert trials, "words are chosen with room to spare"
+    if not trials:
+        raise CheckFailed(
+            "$.network: its temperatures change by more in one sample than the words of fixed point hold; expected a "
+            "shorter $.sample_time_s, larger capacities, or --arithmetic float"
+        )
     best = min(trials, key=lambda trial: float((trial.defect / base).max()))
     least = _bound(terms, best.defect)
     enough = _enough(

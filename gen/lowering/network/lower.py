@@ -17,7 +17,7 @@ from gen.lowering.network.factors import lower_factor
 from gen.lowering.network.gains import GainFormat, lower_gains
 from gen.lowering.network.laws import limited, lower_law, widest_word
 from gen.lowering.network.program import NetworkProgram, NetworkProof, Reading
-from gen.lowering.network.ranges import reachable, speeds, widest_shown, widest_start
+from gen.lowering.network.ranges import reachable, speeds, widest_reference, widest_shown, widest_start
 from gen.lowering.network.start import start_range_mC
 from gen.lowering.network.terms import terms_of
 from gen.lowering.recursion.guarantee import rounded_up
@@ -49,7 +49,12 @@ def lower_network(coefficients: Coefficients, arithmetic: Arithmetic) -> Network
         lower_factor(factor, channels, float(terms.spans[k, 1]), k) for k, factor in enumerate(terms.factors)
     )
     offsets = [abs(node.sensor.offset) + abs(node.sensor.drift) for node in model.network.sensed if node.sensor]
-    widest = max(widest_word(terms, ranges), widest_start(model.network, ranges), widest_shown(model.network, ranges))
+    widest = max(
+        widest_word(terms, ranges),
+        widest_start(model.network, ranges),
+        widest_shown(model.network, ranges),
+        widest_reference(terms, ranges),
+    )
     bits = fixed.fraction_bits(ranges, offsets, widest)
     laws = tuple(lower_law(law, ranges, bits) for law in terms.laws)
     first = speeds(terms, ranges)

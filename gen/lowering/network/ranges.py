@@ -128,6 +128,15 @@ def widest_shown(network: Network, ranges: Ranges) -> float:
     )
 
 
+def widest_reference(terms: Terms, ranges: Ranges) -> float:
+    """Largest magnitude of a temperature at which a heat was given, degC, and of any node's difference to its own, K.
+
+    It may lie far beyond all that a node reaches: a file may count a heat from 0 K.
+    """
+    own = [term for term in terms.terms if term.source == "reference"]
+    return max((max(abs(term.reference), ranges.difference(term)) for term in own), default=0.0)
+
+
 def widest_start(network: Network, ranges: Ranges) -> float:
     """Largest magnitude of a hidden node's start, degC, were it made from temperatures anywhere in the ranges."""
     rises = [weights[:-1].sum() for weights in network.hidden_at_start]
