@@ -29,7 +29,7 @@ Arrays = dict[str, NDArray[Any]]
 Progress = Callable[[str], None]
 CONNECT_S = 30.0
 """How long a scheduler may take to answer, and then to have a worker."""
-LAYOUT = 20
+LAYOUT = 21
 """Raised with every change of what tasks compute from the same arguments."""
 
 
