@@ -14,7 +14,8 @@ from gen.model.dynamics import MAX_PWM
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0)]
-Celsius = Annotated[float, Field(allow_inf_nan=False, ge=-273.15, le=5000)]
+COLDEST_degC = -273.15
+Celsius = Annotated[float, Field(allow_inf_nan=False, ge=COLDEST_degC, le=5000)]
 Counts = Annotated[int, Field(ge=0, le=MAX_PWM)]
 CountRange = tuple[Counts, Counts]
 Note = Annotated[str, Field(description="Why it is so; for those who read the file.")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gen.coefficients.alarms import AlarmRule, OverTemperature
+from gen.coefficients.base import COLDEST_degC
 from gen.coefficients.document import Document
 from gen.coefficients.protection import MOST_PROTECTIONS, Action, Protection
 from gen.coefficients.wiring import Wiring
@@ -84,7 +85,8 @@ def _of_rules(document: Document) -> list[Protection]:
         if rule.name in named or not _stops(rule):
             continue
         if isinstance(rule, OverTemperature):
-            below = rule.limit_degC - max(COOLED_K, rule.hysteresis_K)
+            # A rule that never clears lets nothing run again.
+            below = max(rule.limit_degC - max(COOLED_K, rule.hysteresis_K), COLDEST_degC)
             found.append(
                 Protection(
                     cause="alarm",

@@ -29,7 +29,7 @@ def two_nodes() -> dict[str, Any]:
     return tree
 
 
-@pytest.mark.parametrize("reference", [-273.15, -254.0, 255.0, 260.0, 3000.0])
+@pytest.mark.parametrize("reference", [-273.15, -254.0, -200.0, 250.0, 255.0, 260.0, 3000.0])
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_a_heat_may_be_given_at_a_temperature_that_nothing_reaches(
     tmp_path: Path, arithmetic: Arithmetic, reference: float

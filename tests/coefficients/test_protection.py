@@ -48,6 +48,13 @@ def test_a_driven_motor_is_protected_by_a_file_that_says_nothing_of_it() -> None
     assert 0 < found["sensor_lost"].delay_s <= 10
 
 
+def test_a_rule_that_never_clears_lets_nothing_run_again() -> None:
+    rules = copy.deepcopy(BASE["alarms"])
+    rule = next(rule for rule in rules if rule["name"] == "brush_limit")
+    rule["hysteresis_K"] = 500.0
+    assert table(alarms=rules)["brush_limit"].restart_below_degC == -273.15
+
+
 def test_a_rotor_that_locks_again_has_to_stand() -> None:
     assert table()["stall"].pause_s > 0
 
