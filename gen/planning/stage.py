@@ -85,6 +85,7 @@ class Stage:
             share=empty,
             covered=empty,
             begin=np.zeros(sensors),
+            first=np.zeros(sensors),
             noise_K=self.noise_K,
             sample_s=np.ones(sensors),
             ambient_known=True,

@@ -53,7 +53,9 @@ class Binned:
     covered
         Time that the readings stand for, shape (K, S), s; 0 where there is none.
     begin
-        First readings, shape (S,), degC; NaN for a node that this run does not measure.
+        Where each sensor begins, shape (S,), degC; NaN for a node that this run does not measure.
+    first
+        The first reading of each, scatter and all, shape (S,), degC: whoever uses a file starts from that.
     noise_K
         Standard deviation of a single reading, shape (S,), K.
     sample_s
@@ -78,6 +80,7 @@ class Binned:
     share: FloatArray
     covered: FloatArray
     begin: FloatArray
+    first: FloatArray
     noise_K: FloatArray
     sample_s: FloatArray
     ambient_known: bool
@@ -151,6 +154,7 @@ def binned(
         share=np.column_stack([c[1] for c in columns]),
         covered=np.column_stack([c[2] for c in columns]),
         begin=np.array([_begin(time, run.temps.get(n)) for n in names]),
+        first=np.array([_first(run.temps.get(n)) for n in names]),
         noise_K=np.array([_noise(run.temps.get(n)) for n in names]),
         sample_s=np.array([_distance(time, run.temps.get(n)) for n in names]),
         ambient_known=not isinstance(ambient, float),
@@ -221,6 +225,11 @@ def _readings(
 def _distance(time: FloatArray, values: FloatArray | None) -> float:
     good = np.isfinite(values) if values is not None else np.zeros(time.size, dtype=bool)
     return float(np.median(np.diff(time[good]))) if np.count_nonzero(good) > 1 else float(np.median(np.diff(time)))
+
+
+def _first(values: FloatArray | None) -> float:
+    good = np.flatnonzero(np.isfinite(values)) if values is not None else np.zeros(0, dtype=np.int64)
+    return float(values[good[0]]) if values is not None and good.size else float("nan")
 
 
 def _begin(time: FloatArray, values: FloatArray | None) -> float:

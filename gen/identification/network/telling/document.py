@@ -34,7 +34,6 @@ from gen.identification.network.fitting.as_found import usual
 from gen.identification.network.fitting.followed import FASTEST
 from gen.identification.network.fitting.inputs import held, joined, turning
 from gen.identification.network.fitting.natural import polynomial
-from gen.identification.network.fitting.past import past_weights
 from gen.identification.network.fitting.speed_laws import CONSTANT, WITHIN, Law
 from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.identify import NetworkFound
@@ -42,6 +41,7 @@ from gen.identification.network.search import Found
 from gen.identification.network.telling.declared import error_bands
 from gen.identification.network.telling.stiffness import slowed
 from gen.identification.network.telling.uncertainty import spread_of
+from gen.identification.network.used import start_from
 from gen.identification.settings import FIXED_LIMIT_K, FLOAT_LIMIT_K, Settings, said_beside
 from gen.lowering.network.ranges import LAW_MARGIN_K
 
@@ -176,7 +176,7 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
         loss[[k for k in (i, j) if k >= 0]] += own.max()
     capacity = np.maximum(physics.capacity, least_s * loss)
     nodes = []
-    likely = _start_from(result.found)
+    likely = start_from(result.found)
     for i, name in enumerate(structure.names):
         mass = six_digits(float(capacity[i]))
         if i < len(structure.sensed):
@@ -184,8 +184,8 @@ def _network(result: NetworkFound, settings: Settings) -> NetworkEntry:
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, sensor=SensorEntry(offset_K=offset)))
         elif likely is not None:
             shares = zip(structure.sensed, likely[i - structure.sensors].tolist(), strict=True)
-            start_from = {sensed: six_digits(share) for sensed, share in shares}
-            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_from=start_from))
+            rises = {sensed: six_digits(share) for sensed, share in shares}
+            nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_from=rises))
         else:
             factor = _start_factor(result.found, i)
             nodes.append(NodeEntry(name=name, capacity_J_per_K=mass, start_factor=factor))
@@ -202,14 +202,6 @@ def _growing(heat: HeatEntry, structure: Structure, vector: FloatArray) -> HeatE
         return heat
     per_K = six_digits(float(vector[structure.growing[0]]))
     return heat.model_copy(update={"per_K": per_K, "reference_degC": structure.warmth})
-
-
-def _start_from(found: Found) -> FloatArray | None:
-    """Of hidden nodes, what share of each sensed node's rise they begin with; None where a multiple is better."""
-    structure = found.structure
-    if structure.start:
-        return np.array(structure.start)
-    return None if structure.factors.size else past_weights(structure, found.vector, found.problem.inputs)
 
 
 def _start_factor(found: Found, node: int) -> float:
