@@ -113,6 +113,7 @@ def test_a_sensor_that_moves_little_and_not_with_the_others_is_named_and_not_tak
         {"T1": WINDING, "T2": HEAVY},  # it moves little, and with the other
         {"winding": WINDING, "rotor": DAY},  # a part by its name, however little it moves
         {"T1": DAY, "T2": DAY + 0.1},  # nothing was driven
+        {"T1": WINDING, "T2": CASING, "T3_degC": 0.0 * DAY + 85.5},  # no room, but what holds one temperature
     ],
 )
 def test_where_no_column_is_like_a_room_none_is_named(columns: dict[str, np.ndarray], tmp_path: Path) -> None:
@@ -148,3 +149,9 @@ def test_the_command_says_it_in_one_line(tmp_path: Path) -> None:
         "log.csv: no ambient temperature: gen identify takes it from where the runs begin; if a column is the room's: "
         "--column OLD=ambient_degC"
     ]
+
+
+def test_a_sensor_that_is_not_connected_is_not_proposed_as_the_room(tmp_path: Path) -> None:
+    """A DS18B20 without its wires: following the proposal gave an ambient column without a reading."""
+    _, found = imported(log(tmp_path, {"T1": WINDING, "T2": CASING, "T3_degC": 0.0 * DAY - 127.0}), tmp_path)
+    assert not any("T3" in line and "ambient_degC" in line for line in (*found.warnings, *found.notes))

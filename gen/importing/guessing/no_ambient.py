@@ -9,6 +9,7 @@ from gen.importing.guessing.alike import correlation_of_changes, moved, temperat
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import quoted
 from gen.importing.mapping import Mapping
+from gen.importing.units import Unit
 
 _AMBIENT = "ambient_degC"
 _MUCH_LESS = 0.5
@@ -17,6 +18,8 @@ _LEAST_MOVED_K = 3.0
 """By the others, for a log that shows what follows the motor."""
 _FOLLOWS = 0.4
 """Correlation of the changes with those of any other."""
+_ROOMS_degC = (-50.0, 60.0)
+"""Where rooms are, the open air among them; a sensor that is not connected stands at -127 degC."""
 
 
 def without_ambient(evidence: Evidence, mapping: Mapping) -> tuple[str, bool]:
@@ -46,12 +49,13 @@ def without_ambient(evidence: Evidence, mapping: Mapping) -> tuple[str, bool]:
 
 def _like_a_room(evidence: Evidence, mapping: Mapping) -> tuple[Facts, float, float] | None:
     """The temperature that moves least, by much less than the others, and not with them; with what they move by, K."""
-    moves = {
-        facts.name: moved(facts) * unit.scale for facts, unit in temperatures(evidence, mapping) if facts.values.size
-    }
+    measured = [(facts, unit) for facts, unit in temperatures(evidence, mapping) if facts.values.size]
+    moves = {facts.name: moved(facts) * unit.scale for facts, unit in measured}
     if len(moves) < 2:
         return None
     least = min(moves, key=lambda name: moves[name])
+    if any(facts.name == least and _is_no_room(facts, unit) for facts, unit in measured):
+        return None
     others = float(np.median([value for name, value in moves.items() if name != least]))
     facts = evidence.facts[least]
     base = names.apart(facts.named[0])
@@ -62,3 +66,8 @@ def _like_a_room(evidence: Evidence, mapping: Mapping) -> tuple[Facts, float, fl
     if any(correlation_of_changes(facts, evidence.facts[name]) >= _FOLLOWS for name in moves if name != least):
         return None
     return facts, moves[least], others
+
+
+def _is_no_room(facts: Facts, unit: Unit) -> bool:
+    usual = float(np.median(facts.values)) * unit.scale + unit.offset
+    return not _ROOMS_degC[0] <= usual <= _ROOMS_degC[1]
