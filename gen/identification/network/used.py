@@ -36,7 +36,7 @@ def as_used(found: Found, ambient_fixed: float | None) -> Evaluated:
         if not run.ambient_known:
             own[r, nodes:] = 0.0 if ambient_fixed is None else ambient_fixed - run.ambient[0]
     shares = start_from(found)
-    if shares is not None and not structure.start:
+    if shares is not None and not structure.start:  # else the fit begins there, too
         ambient = np.array([run.ambient[0] for run in inputs.runs]) + (own[:, nodes] if own.shape[1] > nodes else 0.0)
         rises = inputs.begin[:, :sensors] + own[:, :sensors] - ambient[:, None]
         own[:, sensors:nodes] = ambient[:, None] + rises @ shares.T - inputs.begin[:, -1:]

@@ -9,7 +9,6 @@ from gen.importing.guessing.alike import correlation_of_changes, moved, temperat
 from gen.importing.guessing.evidence import Evidence, Facts
 from gen.importing.guessing.guesses import quoted
 from gen.importing.mapping import Mapping
-from gen.importing.units import Unit
 
 _AMBIENT = "ambient_degC"
 _MUCH_LESS = 0.5
@@ -53,11 +52,11 @@ def _like_a_room(evidence: Evidence, mapping: Mapping) -> tuple[Facts, float, fl
     moves = {facts.name: moved(facts) * unit.scale for facts, unit in measured}
     if len(moves) < 2:
         return None
-    least = min(moves, key=lambda name: moves[name])
-    if any(facts.name == least and _is_no_room(facts, unit) for facts, unit in measured):
+    facts, unit = min(measured, key=lambda column: moves[column[0].name])
+    least, usual = facts.name, float(np.median(facts.values)) * unit.scale + unit.offset
+    if not _ROOMS_degC[0] <= usual <= _ROOMS_degC[1]:
         return None
     others = float(np.median([value for name, value in moves.items() if name != least]))
-    facts = evidence.facts[least]
     base = names.apart(facts.named[0])
     if names.PARTS.search(base) or names.MACHINE_PARTS.search(base):  # what is heavy, or far from the heat
         return None
@@ -66,8 +65,3 @@ def _like_a_room(evidence: Evidence, mapping: Mapping) -> tuple[Facts, float, fl
     if any(correlation_of_changes(facts, evidence.facts[name]) >= _FOLLOWS for name in moves if name != least):
         return None
     return facts, moves[least], others
-
-
-def _is_no_room(facts: Facts, unit: Unit) -> bool:
-    usual = float(np.median(facts.values)) * unit.scale + unit.offset
-    return not _ROOMS_degC[0] <= usual <= _ROOMS_degC[1]

@@ -129,9 +129,9 @@ def widest_shown(network: Network, ranges: Ranges) -> float:
 
 
 def widest_reference(terms: Terms, ranges: Ranges) -> float:
-    """Largest magnitude of a temperature at which a heat was given, degC, and of any node's difference to its own, K.
+    """Largest magnitude of what is no state's temperature, degC, and of any state's difference to its own, K.
 
-    It may lie far beyond all that a node reaches: a file may count a heat from 0 K.
+    That at which a heat was given may lie far beyond all that a node reaches: a file may count a heat from 0 K.
     """
     own = [term for term in terms.terms if term.source == "reference"]
     return max((max(abs(term.reference), ranges.difference(term)) for term in own), default=0.0)

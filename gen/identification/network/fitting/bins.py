@@ -228,8 +228,8 @@ def _distance(time: FloatArray, values: FloatArray | None) -> float:
 
 
 def _first(values: FloatArray | None) -> float:
-    good = np.flatnonzero(np.isfinite(values)) if values is not None else np.zeros(0, dtype=np.int64)
-    return float(values[good[0]]) if values is not None and good.size else float("nan")
+    known = np.zeros(0) if values is None else values[np.isfinite(values)]
+    return float(known[0]) if known.size else float("nan")
 
 
 def _begin(time: FloatArray, values: FloatArray | None) -> float:

@@ -109,10 +109,7 @@ def _date_and_time(candidates: _Candidates) -> Found | None:
 
 
 def _named(candidates: _Candidates) -> Found | None:
-    """Of numbers that rise and are called a time the first; doubtful where another runs otherwise.
-
-    Such as a processor's time, or a print's.
-    """
+    """Of numbers that rise and are called a time the first; doubtful where another (a processor's) runs otherwise."""
     named = [entry for entry in candidates.rising if _named_so(entry) and not entry.in_degrees]
     named.sort(key=lambda entry: entry.named[0] == "T")  # beside `t`, a temperature that rises evenly
     if all(BUSY.search(entry.named[0]) for entry in named):
