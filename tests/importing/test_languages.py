@@ -124,5 +124,5 @@ def test_temperatures_in_english_are_no_time(name: str, tmp_path: Path) -> None:
 
 
 def test_a_column_of_temperatures_is_not_proposed_as_an_input(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"such as --input Puissance --full-scale 100$"):
+    with pytest.raises(InputError, match=r"such as --input Puissance --full-scale 100; "):
         take(log(tmp_path, "Heater [°C]", "Puissance"), tmp_path / "out")

@@ -70,6 +70,31 @@ def test_wanted_values_and_commands_between_the_answers(tmp_path: Path) -> None:
         take(log, tmp_path / "more", time="2", input="@", full_scale=127, columns={"T": ""})
 
 
+@pytest.mark.parametrize("between", [0, 1, 4, 12])
+@pytest.mark.parametrize("stamp", [True, False])
+def test_however_many_other_answers_stand_between_a_printers(between: int, stamp: bool, tmp_path: Path) -> None:
+    """The bed is a temperature, too: it has a wanted value as the nozzle has. Rounds of lines do not fool the reader."""
+    lines = []
+    for i in range(8 * ROWS):
+        before = f"10:{i // 30:02d}:{2 * i % 60:02d}.123 -> " if stamp else ""
+        lines += [f"{before}echo:busy: processing"] * between
+        k = min(i, ROWS - 1)
+        lines.append(f"{before}T:{WARM[k]:.2f} /200.00 B:{COOL[k]:.2f} /60.00 @:127 B@:{64 + i % 2}")
+    log = write(tmp_path, "\n".join(lines) + "\n", name="printer.log")
+    run = taken(log, tmp_path / "out", input="@", full_scale=127.0, **({} if stamp else {"time": "2"}))
+    np.testing.assert_allclose(run.temps["T"][:ROWS], WARM)
+    np.testing.assert_allclose(run.temps["B"][:ROWS], COOL)
+    np.testing.assert_allclose(run.extras["B_power"][:2], [64, 65])
+    np.testing.assert_allclose(np.diff(run.time_s), 2.0, atol=1e-6)
+
+
+def test_a_number_before_the_named_ones_is_their_time_where_it_rises(tmp_path: Path) -> None:
+    rows = [f"{2 * i}.5 winding:{WARM[i]:.2f} casing:{COOL[i]:.2f} pwm:204" for i in range(ROWS)]
+    run = taken(write(tmp_path, "\n".join(rows) + "\n", name="serial.log"), tmp_path / "out")
+    np.testing.assert_allclose(run.temps["winding"], WARM)
+    np.testing.assert_allclose(np.diff(run.time_s), 2.0, atol=1e-6)
+
+
 def test_a_time_before_each_line_is_its_time(tmp_path: Path) -> None:
     log = write(tmp_path, of_a_printer(True), name="serial.log")
     run = taken(log, tmp_path / "out", input="@", full_scale=127, columns={"T": "hotend_degC", "B": "bed_degC"})
@@ -96,7 +121,7 @@ def test_of_a_daemon_s_line_its_own_time_counts_and_strangers_are_counted(tmp_pa
 
 def test_a_daemon_s_heating_is_proposed_for_the_input(tmp_path: Path) -> None:
     lines = [f"temp={WARM[i]}, target=93.2, pid=0.5, run_time={2 * i}" for i in range(ROWS)]
-    with pytest.raises(InputError, match=r"expected what drives it, such as --input pid --full-scale 0\.5$"):
+    with pytest.raises(InputError, match=r"expected what drives it, such as --input pid --full-scale 0\.5; "):
         take(write(tmp_path, "\n".join(lines)), tmp_path / "out")
 
 

@@ -23,6 +23,8 @@ _MOST_OPTIONS = 8
 """Proposed in a message."""
 NO_INPUT = "no column is a motor's PWM"
 """How the refusal of a log without an input begins."""
+GUESSED = "--full-scale is only the next round number that the log reaches: say what full drive is, if that is known"
+"""What is said of a full scale that is proposed: of a log that never drives fully it is too low."""
 
 
 def decide_input(evidence: Evidence, choices: Choices, reserved: set[str]) -> tuple[InputForm, list[Guess]]:
@@ -145,7 +147,9 @@ def _none(numbers: list[Facts], evidence: Evidence) -> str:
     said = NO_INPUT
     options = [_explained(entry, len(driving) > 1) for entry in driving[:_MOST_OPTIONS]]
     if options:
-        return f"{said}; expected what drives it, such as {' or '.join(options + _states(evidence))}"
+        proposed = " or ".join(options + _states(evidence))
+        guessed = f"; {GUESSED}" if "--full-scale" in proposed else ""
+        return f"{said}; expected what drives it, such as {proposed}{guessed}"
     if not numbers:
         return f"{said}, and none holds numbers; expected a table"
     names = listed(f"{entry.name} ({spanned(entry)})" for entry in numbers)

@@ -12,6 +12,10 @@ from gen.importing.guessing import languages
 _SPECIAL = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "%": "percent"})
 
 
+_POWER = re.compile(r"^@|(?<=[A-Za-z0-9])@$")
+"""A printer's mark of what a heater is given: `@`, `B@`, `@0`."""
+
+
 def _words(text: str) -> re.Pattern[str]:
     return re.compile(rf"(?:^|[^a-z])(?:{text})(?:[^a-z]|$)", re.IGNORECASE)
 
@@ -321,7 +325,7 @@ def channel_name(base: str, unit: str, taken: Collection[str]) -> str:
     taken
         Names that are.
     """
-    name = slug(base) or "channel"
+    name = slug(_POWER.sub(" power ", base)) or "channel"
     name = name if name[0].isalpha() else f"channel_{name}"
     ending = slug(unit.replace("/", "_per_"))
     return _fresh(f"{name}_{ending}" if ending else name, taken)

@@ -16,7 +16,7 @@ from gen.importing.listing import listed
 from gen.importing.reading.entries import entries_of
 from gen.importing.reading.flat import flat
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of, words_in
+from gen.importing.reading.pairs import HEADS, LONGEST, SAMPLE, kinds_of, names_in, record_of, sampled, words_in
 from gen.importing.reading.rows.delimited import MOST_COLUMNS, keyed_comments
 from gen.importing.reading.tagged import signals
 from gen.importing.reading.tagged.prometheus import answered
@@ -243,8 +243,7 @@ def keyed_table(file: Path, lines: Lines, times: Sequence[str], reading: Reading
     """A table of lines such as ``T1:23.4 T2:25.1``; of several kinds of lines, each fills its own columns."""
     records: list[dict[str, str]] = []
     numbers, bad = [], []
-    step = max(1, len(lines.texts) // SAMPLE)
-    kinds = kinds_of(lines.texts[::step])
+    kinds = kinds_of(sampled(lines.texts), timed=bool(times))
     twice = frozenset(key for kind in kinds for key, count in Counter(kind).items() if count > 1)
     firsts = [next(line for line in lines.texts if names_in(line[:LONGEST]) == kind) for kind in kinds]
     wanted = [set(record_of(line, twice)) for line in firsts]

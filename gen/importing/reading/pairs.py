@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from gen.importing.reading.rows.delimited import MOST_COLUMNS
 from gen.importing.reading.words import parted
@@ -40,6 +41,8 @@ HEADS = {"clock", *(name for name, _ in _HEADS)}
 """What the times before lines are called."""
 _COUNT = re.compile(r"^\s*(?P<key>[A-Za-z]+) (?P<value>\d+(?:\.\d+)?):\s")
 """A line's own number: `Stats 420126.9: ..`."""
+_ROW = re.compile(r"^\s*(?P<stamp>\d+(?:\.\d+)?)[\s,;|]+(?=[A-Za-z])")
+"""A number without a name before the others, as a sketch's `millis()`; what it is, it has to show."""
 _FRAME = re.compile(r"\s*\w+\s+[0-9A-F]+\s+\[\d+\]\s+(?:[0-9A-F]{2}\s+)*::\s+\w+\(", re.IGNORECASE)
 """What stands before a decoded frame of a bus: `can0  123   [2]  01 02 :: Motor(`."""
 _SECTION = re.compile(r"(?P<of>[A-Za-z_]\w*)\s*:\s+$")
@@ -52,7 +55,9 @@ _LEAST_ALIKE = 0.5
 _LEAST_BETWEEN = 0.25
 """Of the lines, where others stand between them that are no rows: commands, answers."""
 _LEAST_KIND = 0.05
-"""Of the lines, for another kind of them to be readings, too."""
+"""Of the lines, for another kind of them to be readings, too; or the only one of a file that is no table."""
+_MOST_LEFT = 0.3
+"""Of a line that names its numbers, beside them."""
 _MOST_PLAIN = 0.05
 _PLAIN = re.compile(r"\s*[+-]?\d[\d.,eE+-]*\s*[,;\t| ]\s*[+-]?\d")
 """A line that begins as a row of a table does."""
@@ -60,10 +65,21 @@ _SECTION_MARK = re.compile(r"[A-Za-z_]\w*\s*:\s+(?=[A-Za-z_])")
 _LONGEST_HEAD = 120
 
 
+def sampled(lines: Sequence[str]) -> list[str]:
+    """Give some of all lines, cut where they are too long, evenly spread, and out of step with rounds of them.
+
+    Parameters
+    ----------
+    lines
+        A log's.
+    """
+    step = max(1, len(lines) // SAMPLE)
+    return [lines[k * step + k % step][:LONGEST] for k in range(len(lines) // step)]
+
+
 def is_keyed(lines: Sequence[str]) -> bool:
     """Whether most lines consist of names with numbers, the same in most; or many, and the others hold no rows."""
-    step = max(1, len(lines) // SAMPLE)
-    sample = [line[:LONGEST] for line in lines[::step]]
+    sample = sampled(lines)
     found = Counter(names_in(line) for line in sample)
     found.pop((), None)
     if not found:
@@ -78,7 +94,24 @@ def is_keyed(lines: Sequence[str]) -> bool:
             return False
     alike = [line for line in sample if names_in(line) == names]
     left = sorted(share_left(line) for line in alike)
-    return left[len(left) // 2] < 0.3
+    return left[len(left) // 2] < _MOST_LEFT
+
+
+def is_sparsely_keyed(lines: Sequence[str]) -> bool:
+    """Whether a few lines name numbers, the same in each, among many others: a printer's answers to its host.
+
+    Parameters
+    ----------
+    lines
+        A log's, which are no table's rows.
+    """
+    sample = sampled(lines)
+    found = Counter(names for line in sample if (names := names_in(line)))
+    if not found:
+        return False
+    names, count = found.most_common(1)[0]
+    left = sorted(share_left(line) for line in sample if names_in(line) == names)
+    return len(names) > 1 and count >= _LEAST_KIND * len(sample) and left[len(left) // 2] < _MOST_LEFT
 
 
 def share_left(line: str) -> float:
@@ -107,7 +140,10 @@ def _headed(line: str) -> tuple[dict[str, str], str]:
             frame = _FRAME.match(body)
             return {name: match["stamp"]}, body[frame.end() :].rstrip().removesuffix(")") if frame else body
     counted = _COUNT.match(line)
-    return ({counted["key"]: counted["value"]}, line[counted.end() :]) if counted else ({}, line)
+    if counted:
+        return {counted["key"]: counted["value"]}, line[counted.end() :]
+    first = _ROW.match(line)
+    return ({"": first["stamp"]}, line[first.end() :]) if first and _PAIR.match(line, first.end()) else ({}, line)
 
 
 @dataclass(frozen=True)
@@ -152,24 +188,26 @@ def is_timed(line: str) -> bool:
     return bool(_headed(line)[0])
 
 
-def kinds_of(lines: Sequence[str]) -> list[tuple[str, ...]]:
+def kinds_of(lines: Sequence[str], *, timed: bool = False) -> list[tuple[str, ...]]:
     """The sets of names that lines come with, the commonest first; others only where lines tell their times.
 
     Parameters
     ----------
     lines
         Some of a log's, at least one of which names numbers.
+    timed
+        Whether all had a time before them, which is no longer there.
     """
     found = Counter(names for line in lines if (names := names_in(line[:LONGEST])))
     common = found.most_common()
     first = common[0][0]
-    if not all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == first):
+    if not (timed or all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == first)):
         return [first]
     kinds = [first]
     for names, count in common[1:]:
         apart = not any(set(names) & set(kind) for kind in kinds)
-        timed = all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == names)
-        if apart and timed and count >= _LEAST_KIND * len(lines):
+        told = timed or all(is_timed(line) for line in lines if names_in(line[:LONGEST]) == names)
+        if apart and told and count >= _LEAST_KIND * len(lines):
             kinds.append(names)
     return kinds
 
@@ -188,5 +226,6 @@ def record_of(line: str, twice: frozenset[str]) -> dict[str, str]:
     made = dict(head)
     for pair in _pairs(body):
         name = f"{pair.section}.{pair.key}" if pair.key in twice and pair.section else pair.key
-        made[next(n for n in (name, *(f"{name}_{i}" for i in range(2, MOST_COLUMNS))) if n not in made)] = pair.value
+        again = (f"{name}_{i}" for i in range(2, MOST_COLUMNS))
+        made[next(n for n in chain((name,), again) if n not in made)] = pair.value
     return made

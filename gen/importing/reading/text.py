@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from gen.importing.reading import documents
 from gen.importing.reading.encoding import decode
 from gen.importing.reading.keyed import array_table, is_json, json_table, keyed_table, tagged_table
 from gen.importing.reading.lines import Lines
-from gen.importing.reading.pairs import is_keyed
+from gen.importing.reading.pairs import is_keyed, is_sparsely_keyed
 from gen.importing.reading.published import is_published, published_table
 from gen.importing.reading.rows.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
 from gen.importing.reading.rows.delimited import table_of_rows
@@ -81,14 +82,22 @@ def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Ta
         return one_by_one
     lines, times = stamped(lines)
     if not given.delimiter and is_keyed(lines.texts):
-        table = keyed_table(file, lines, times, reading)
-        return replace(table, reading=_keyed_decimal(table, reading))
-    if not given.delimiter:
+        return _keyed(file, lines, times, reading)
+    ended = text.endswith(("\n", "\r"))
+    try:
+        return _delimited(file, lines, times, reading, ended=ended)
+    except InputError:
+        if given.delimiter or not is_sparsely_keyed(lines.texts):
+            raise
+        return _keyed(file, lines, times, reading)
+
+
+def _delimited(file: Path, lines: Lines, times: Sequence[str], reading: Reading, *, ended: bool) -> Table:
+    if not reading.delimiter:
         reading = _with_delimiter(reading, lines.texts)
     rows, numbers = split_rows(lines, reading.delimiter)
     if times and len(rows) != len(times):
         raise InputError("quoted line ends in a serial monitor's lines; expected one row a line")
-    ended = text.endswith(("\n", "\r"))
     return table_of_rows(file, rows, numbers, reading=reading, comments=lines.comments, times=times, ended=ended)
 
 
@@ -136,6 +145,11 @@ def _check_whole(text: str) -> None:
 def _with_delimiter(reading: Reading, lines: list[str]) -> Reading:
     delimiter, why = guess_delimiter(lines)
     return replace(reading, delimiter=delimiter, why={**reading.why, "delimiter": why})
+
+
+def _keyed(file: Path, lines: Lines, times: Sequence[str], reading: Reading) -> Table:
+    table = keyed_table(file, lines, times, reading)
+    return replace(table, reading=_keyed_decimal(table, reading))
 
 
 def _keyed_decimal(table: Table, reading: Reading) -> Reading:
