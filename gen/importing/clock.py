@@ -36,6 +36,7 @@ EITHER = "dates that are possible either way"
 """Why an order of days and months is taken that nothing in the dates tells."""
 _YEARS = (10, 40)
 """Of this century, from which there are logs, and until when this may be read."""
+_NUMBER = re.compile(r"[+-]?\d*[.,]?\d*")
 _ISO_MARKS = str.maketrans("", "", "0123456789-:.T \n")
 MISSING = int(np.iinfo(np.int64).min)
 """What is no time."""
@@ -58,7 +59,7 @@ def is_time(text: str) -> bool:
 
 
 def _plain(text: str) -> re.Match[str] | None:
-    return re.fullmatch(r"[+-]?\d*[.,]?\d*", text)
+    return _NUMBER.fullmatch(text)
 
 
 def kind_of(cells: Sequence[str]) -> str:
@@ -70,12 +71,15 @@ def kind_of(cells: Sequence[str]) -> str:
     def share(test: Sequence[bool]) -> bool:
         return sum(test) > 0.5 * len(sample)
 
+    numbers = [_plain(text) is not None for text in sample]
+    if share(numbers):
+        return ""
     if share([bool(DOTTED.fullmatch(text)) for text in sample]) and _goes_on(cells):
         return "clock"
-    stamps = [stamp(text) if _plain(text) is None else None for text in sample]
+    stamps = [None if number else stamp(text) for text, number in zip(sample, numbers, strict=True)]
     if share([match is not None for match in stamps]):
         return "instant" if share([match is not None and has_time(match) for match in stamps]) else "date"
-    clocks = [time_of_day(text) if _plain(text) is None else None for text in sample]
+    clocks = [None if number else time_of_day(text) for text, number in zip(sample, numbers, strict=True)]
     of_seconds = [match is not None and says_seconds(match) for match in clocks]
     of_minutes = [bool(MINUTES.fullmatch(text)) for text in sample]
     if share([a or b for a, b in zip(of_seconds, of_minutes, strict=True)]) and _goes_over_to_hours(cells):

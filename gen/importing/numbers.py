@@ -20,6 +20,8 @@ _MINUS = str.maketrans(dict.fromkeys("\u2212\u2012\u2013\u2014\ufe63\uff0d", "-"
 """Typeset minuses and dashes: of German and Norwegian settings, of what was copied out of a document."""
 _PLAIN = str.maketrans("", "", "0123456789+-.eE \n")
 _GROUPED = re.compile(r"(?<=\d)[ \u00a0\u202f\u2009'’](?=\d{3}(?!\d))")
+_THOUSANDS_POINT = re.compile(r"(?<=\d)\.(?=\d{3}(?:\D|$))")
+_THOUSANDS_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?:\D|$))")
 _SIGN_APART = re.compile(r"^([+-])\s+(?=[\d.,])")
 """Columns of one width: `+   23.4`."""
 _AS_TEXT = re.compile(r"""(?:="([^"]*)"|'(?=[\d.,+-]))""")
@@ -156,9 +158,9 @@ def plain_number(text: str, decimal: str = ".") -> float | None:
         return None
     plain = _OF_FORTRAN.sub("E", _GROUPED.sub("", _signed(text)))
     if decimal == ",":
-        plain = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", plain).replace(",", ".")
+        plain = _THOUSANDS_POINT.sub("", plain).replace(",", ".")
     else:
-        plain = re.sub(r"(?<=\d),(?=\d{3}(?:\D|$))", "", plain)
+        plain = _THOUSANDS_COMMA.sub("", plain)
     if not NUMBER.fullmatch(plain):
         return None
     value = float(plain)
@@ -185,14 +187,13 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
     seen: dict[str, list[str]] = {}
     for cell in cells:
         text = _GROUPED.sub("", _signed(cell))
-        for kind, pattern in _MARKS.items():
-            if re.fullmatch(pattern, text, re.ASCII):
-                seen.setdefault(kind, []).append(text)
-                break
-    if "thousands comma" in seen and "comma" not in seen:
-        return ".", 0.95, f"commas part thousands: {seen['thousands comma'][0]}"
-    if "thousands point" in seen and "point" not in seen:
-        return ",", 0.95, f"points part thousands: {seen['thousands point'][0]}"
+        match = _MARKED.fullmatch(text)
+        if match and match.lastgroup:
+            seen.setdefault(match.lastgroup, []).append(text)
+    if "thousands_comma" in seen and "comma" not in seen:
+        return ".", 0.95, f"commas part thousands: {seen['thousands_comma'][0]}"
+    if "thousands_point" in seen and "point" not in seen:
+        return ",", 0.95, f"points part thousands: {seen['thousands_point'][0]}"
     if "comma" in seen and "point" in seen:
         often, rare = sorted(("point", "comma"), key=lambda kind: -len(seen[kind]))
         if len(seen[rare]) > _RARE * len(seen[often]):
@@ -202,9 +203,9 @@ def decimal_mark(cells: Iterable[str]) -> tuple[str, float, str]:
         return ",", 0.97, f"found {seen['comma'][0]}"
     if "point" in seen:
         return ".", 0.97, f"found {seen['point'][0]}"
-    if "three behind comma" in seen:
-        return ",", 0.4, f"{seen['three behind comma'][0]} may be a thousand or a decimal fraction"
-    return ".", 0.9, "no decimal fraction found" if "three behind point" not in seen else "points only"
+    if "three_behind_comma" in seen:
+        return ",", 0.4, f"{seen['three_behind_comma'][0]} may be a thousand or a decimal fraction"
+    return ".", 0.9, "no decimal fraction found" if "three_behind_point" not in seen else "points only"
 
 
 def thousands_or_fractions(columns: Iterable[Sequence[str]]) -> str:
@@ -233,10 +234,12 @@ def thousands_or_fractions(columns: Iterable[Sequence[str]]) -> str:
 _OF_A_THOUSAND = 3
 _THREE_BEHIND = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}", re.ASCII)
 _MARKS = {
-    "thousands comma": r"[+-]?\d{1,3}(?:,\d{3})+\.\d+|[+-]?\d{1,3}(?:,\d{3}){2,}",
-    "thousands point": r"[+-]?\d{1,3}(?:\.\d{3})+,\d+|[+-]?\d{1,3}(?:\.\d{3}){2,}",
-    "three behind comma": r"[+-]?[1-9]\d{0,2},\d{3}",
-    "three behind point": r"[+-]?[1-9]\d{0,2}\.\d{3}",
+    "thousands_comma": r"[+-]?\d{1,3}(?:,\d{3})+\.\d+|[+-]?\d{1,3}(?:,\d{3}){2,}",
+    "thousands_point": r"[+-]?\d{1,3}(?:\.\d{3})+,\d+|[+-]?\d{1,3}(?:\.\d{3}){2,}",
+    "three_behind_comma": r"[+-]?[1-9]\d{0,2},\d{3}",
+    "three_behind_point": r"[+-]?[1-9]\d{0,2}\.\d{3}",
     "comma": r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\d\s.,+-]\S{0,4})?",
     "point": r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\d\s.,+-]\S{0,4})?",
 }
+_MARKED = re.compile("|".join(f"(?P<{kind}>{pattern})" for kind, pattern in _MARKS.items()), re.ASCII)
+"""The first of them that fits."""

@@ -49,7 +49,9 @@ def asked(path: Path, tmp_path: Path, **options: object) -> str:
 def test_what_an_inverter_is_told_is_proposed(name: str, scale: str, tmp_path: Path) -> None:
     path = log(tmp_path, {name: 50.0 * DRIVEN})
     said = asked(path, tmp_path)
-    assert said.endswith(f"expected what drives it, such as --input {shlex.quote(name)}{scale}")
+    guess = "; --full-scale is only the next round number that the log reaches: say what full drive is" if scale else ""
+    assert f"expected what drives it, such as --input {shlex.quote(name)}{scale}{guess}" in said
+    assert said.endswith(", if that is known" if scale else shlex.quote(name))
     full = {"full_scale": 50.0} if scale else {}
     run = read_run(take(path, tmp_path / "run", input=name, **full).runs[0])
     assert run.pwm.max() == round(255 * (1.0 if scale else 0.5))
@@ -97,7 +99,8 @@ def test_of_several_each_is_told_with_what_it_means_what_the_motor_is_told_first
 def test_the_input_and_what_is_doubtful_are_asked_for_in_one_line(tmp_path: Path) -> None:
     path = log(tmp_path, {"Frequenz_Hz": 50.0 * DRIVEN, "quux rotor": RISING + 1.0})
     said = asked(path, tmp_path)
-    assert "--input Frequenz_Hz --full-scale 50; and doubtful: quux rotor: " in said
+    assert "--input Frequenz_Hz --full-scale 50; " in said
+    assert "if that is known; and doubtful: quux rotor: " in said
     assert "settle it by --unit 'quux rotor=degC' or " in said
     run = read_run(
         take(path, tmp_path / "b", input="Frequenz_Hz", full_scale=50.0, units={"quux rotor": "degC"}).runs[0]

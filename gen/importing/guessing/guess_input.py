@@ -23,7 +23,7 @@ _MOST_OPTIONS = 8
 """Proposed in a message."""
 NO_INPUT = "no column is a motor's PWM"
 """How the refusal of a log without an input begins."""
-GUESSED = "--full-scale is only the next round number that the log reaches: say what full drive is, if that is known"
+_GUESSED = "--full-scale is only the next round number that the log reaches: say what full drive is, if that is known"
 """What is said of a full scale that is proposed: of a log that never drives fully it is too low."""
 
 
@@ -148,7 +148,7 @@ def _none(numbers: list[Facts], evidence: Evidence) -> str:
     options = [_explained(entry, len(driving) > 1) for entry in driving[:_MOST_OPTIONS]]
     if options:
         proposed = " or ".join(options + _states(evidence))
-        guessed = f"; {GUESSED}" if "--full-scale" in proposed else ""
+        guessed = f"; {_GUESSED}" if any(map(_is_guessed, driving[:_MOST_OPTIONS])) else ""
         return f"{said}; expected what drives it, such as {proposed}{guessed}"
     if not numbers:
         return f"{said}, and none holds numbers; expected a table"
@@ -170,6 +170,12 @@ def _full_scale(entry: Facts) -> str:
     known = unit.quantity == SHARE if unit is not None else is_switch(entry) or PWM.search(worded(entry))
     rest = " --rest 1000" if pulse(entry) else ""
     return "" if known else f"{rest} --full-scale {_round_up(entry):g}"
+
+
+def _is_guessed(entry: Facts) -> bool:
+    """Whether a full scale is proposed that the column neither says nor, as a converter's, holds."""
+    plain = _plain(entry)
+    return bool(_full_scale(plain)) and _round_up(plain) not in OF_CONVERTERS
 
 
 def _round_up(entry: Facts) -> float:
