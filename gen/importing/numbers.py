@@ -157,10 +157,7 @@ def plain_number(text: str, decimal: str = ".") -> float | None:
     if text.isalpha():
         return None
     plain = _OF_FORTRAN.sub("E", _GROUPED.sub("", _signed(text)))
-    if decimal == ",":
-        plain = _THOUSANDS_POINT.sub("", plain).replace(",", ".")
-    else:
-        plain = _THOUSANDS_COMMA.sub("", plain)
+    plain = _THOUSANDS_POINT.sub("", plain).replace(",", ".") if decimal == "," else _THOUSANDS_COMMA.sub("", plain)
     if not NUMBER.fullmatch(plain):
         return None
     value = float(plain)

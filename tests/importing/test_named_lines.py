@@ -73,7 +73,7 @@ def test_wanted_values_and_commands_between_the_answers(tmp_path: Path) -> None:
 @pytest.mark.parametrize("between", [0, 1, 4, 12])
 @pytest.mark.parametrize("stamp", [True, False])
 def test_however_many_other_answers_stand_between_a_printers(between: int, stamp: bool, tmp_path: Path) -> None:
-    """The bed is a temperature, too: it has a wanted value as the nozzle has. Rounds of lines do not fool the reader."""
+    """The bed is a temperature, too: it has a wanted value as the nozzle has. Rounds of lines fool no reader."""
     lines = []
     for i in range(8 * ROWS):
         before = f"10:{i // 30:02d}:{2 * i % 60:02d}.123 -> " if stamp else ""

@@ -110,7 +110,7 @@ def test_a_number_of_the_row_is_proposed_for_no_part(tmp_path: Path) -> None:
         take(log, tmp_path / "out", input="0")
 
 
-@pytest.mark.parametrize(("highest", "scale"), [(255, "255"), (1023, "1023"), (254, "500; .* only the next round number.*")])
+@pytest.mark.parametrize(("highest", "scale"), [(255, "255"), (1023, "1023"), (254, "500; .* next round number.*")])
 def test_counts_of_a_timer_propose_their_own_full_scale(tmp_path: Path, highest: int, scale: str) -> None:
     rows = "".join(f"{i},{20 + 0.3 * i:.1f},93,{highest if i > 5 else 0}\n" for i in range(ROWS))
     log = write(tmp_path, f"time,temperature,setpoint,output\n{rows}")

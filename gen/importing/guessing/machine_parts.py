@@ -62,7 +62,7 @@ def _may_be_volts(facts: Facts) -> bool:
 
 
 def _is_regulated(facts: Facts, known: Sequence[tuple[Facts, Unit]], evidence: Evidence) -> bool:
-    """Whether a wanted value stands beside it, as one stands beside a temperature: a printer's bed beside its nozzle."""
+    """Whether a wanted value stands beside it, as one does beside a temperature: a printer's bed, and its nozzle."""
     wanted = [name.removesuffix(_TARGET) for name in evidence.facts if name.endswith(_TARGET)]
     return facts.name in wanted and any(other.name in wanted for other, _ in known)
 
