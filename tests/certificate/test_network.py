@@ -15,6 +15,7 @@ from gen.errors import CheckFailed
 from gen.lowering.kinds import Arithmetic
 from gen.lowering.program import Program
 from gen.verification.proof import proof_of
+from tests.campaign import share
 from tests.certificate.networks import EXAMPLE, chain, emitted, read
 from tests.certificate.test_planted import Edit, added, claimed, planted, replaced, scaled
 
@@ -358,13 +359,15 @@ def test_gen_verify_proves_the_library(projects: Projects, tmp_path: Path) -> No
     assert proof_of(read(SMALL), program, out).refuted is not None
 
 
-@pytest.mark.parametrize("defect", FIXED)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FIXED))
 def test_a_defect_in_fixed_point_is_refuted(projects: Projects, tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(projects["fixed"][0], tmp_path, *FIXED[defect]))
 
 
-@pytest.mark.parametrize("defect", FLOAT)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FLOAT))
 def test_a_defect_in_float_is_refuted(projects: Projects, tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(projects["float"][0], tmp_path, *FLOAT[defect]))

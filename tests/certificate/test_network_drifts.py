@@ -16,6 +16,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
+from tests.campaign import share
 from tests.certificate.networks import assert_about, assert_proven, emitted, read, with_sensors
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, planted, replaced
@@ -97,7 +98,8 @@ WIDE = {"less error in the certificate", "a bound without the drift's"}
 PLANTED = [(name, one) for name in DEFECTS for one in ARITHMETICS if one == "fixed" or name not in WIDE]
 
 
-@pytest.mark.parametrize(("defect", "arithmetic"), PLANTED)
+@pytest.mark.campaign
+@pytest.mark.parametrize(("defect", "arithmetic"), share(PLANTED))
 def test_a_defect_of_a_drift_is_refuted(
     projects: Projects, tmp_path: Path, defect: str, arithmetic: Arithmetic
 ) -> None:

@@ -17,6 +17,7 @@ from gen.lowering.lower import lower
 from gen.lowering.program import Program
 from gen.reference.board import reference_of
 from gen.reference.network import ReferenceNetwork
+from tests.campaign import share
 from tests.certificate.networks import assert_about, assert_proven, emitted, read, with_sensors
 from tests.certificate.test_network import ARITHMETICS, CERTIFICATE, MODEL, changed
 from tests.certificate.test_planted import Edit, added, planted, replaced
@@ -115,7 +116,8 @@ DEFECTS: dict[str, tuple[str, Edit]] = {
 PLANTED = [(name, one) for name in DEFECTS for one in ARITHMETICS if one == "fixed" or "little" not in name]
 
 
-@pytest.mark.parametrize(("defect", "arithmetic"), PLANTED)
+@pytest.mark.campaign
+@pytest.mark.parametrize(("defect", "arithmetic"), share(PLANTED))
 def test_a_defect_of_a_gain_is_refuted(projects: Projects, tmp_path: Path, defect: str, arithmetic: Arithmetic) -> None:
     name, edit = DEFECTS[defect]
     with pytest.raises(CheckFailed):

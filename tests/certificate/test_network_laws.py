@@ -22,6 +22,7 @@ from gen.lowering.kinds import Arithmetic
 from gen.lowering.program import Program
 from gen.model.network_solution import NetworkSolution
 from gen.reference.network import ReferenceNetwork
+from tests.campaign import share
 from tests.certificate.networks import emitted, read
 from tests.certificate.test_network import changed, state
 from tests.certificate.test_planted import Edit, added, planted, replaced
@@ -203,13 +204,15 @@ def test_no_sample_of_the_reference_is_off_by_more_than_the_defect(projects: Pro
     assert np.all((away / bounds).max(axis=0) > 0.05)
 
 
-@pytest.mark.parametrize("defect", FIXED)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FIXED))
 def test_a_defect_in_fixed_point_is_refuted(projects: Projects, tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(projects["fixed"][0], tmp_path, *FIXED[defect]))
 
 
-@pytest.mark.parametrize("defect", FLOAT)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FLOAT))
 def test_a_defect_in_float_is_refuted(projects: Projects, tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(projects["float"][0], tmp_path, *FLOAT[defect]))

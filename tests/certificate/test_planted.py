@@ -13,6 +13,7 @@ import pytest
 
 import gen
 from gen.errors import CheckFailed
+from tests.campaign import share
 from tests.certificate.projects import built, small
 
 Edit = Callable[[str], str]
@@ -244,14 +245,16 @@ def test_what_was_emitted_is_proven(emitted: dict[str, Path], arithmetic: str) -
     assert found.unproven == ()
 
 
-@pytest.mark.parametrize("defect", FIXED)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FIXED))
 def test_a_defect_in_fixed_point_is_refuted(emitted: dict[str, Path], tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(emitted["fixed"], tmp_path, *FIXED[defect]))
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("arithmetic", ["fixed", "float"])
-@pytest.mark.parametrize("defect", AMBIENT)
+@pytest.mark.parametrize("defect", share(AMBIENT))
 def test_a_defect_of_the_ambient_is_refuted(
     emitted: dict[str, Path], tmp_path: Path, defect: str, arithmetic: str
 ) -> None:
@@ -259,7 +262,8 @@ def test_a_defect_of_the_ambient_is_refuted(
         gen.check(planted(emitted[arithmetic], tmp_path, *AMBIENT[defect]))
 
 
-@pytest.mark.parametrize("defect", FLOAT)
+@pytest.mark.campaign
+@pytest.mark.parametrize("defect", share(FLOAT))
 def test_a_defect_in_float_is_refuted(emitted: dict[str, Path], tmp_path: Path, defect: str) -> None:
     with pytest.raises(CheckFailed):
         gen.check(planted(emitted["float"], tmp_path, *FLOAT[defect]))

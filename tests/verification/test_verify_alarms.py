@@ -11,6 +11,7 @@ import pytest
 from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.verification.alarm_campaign import alarm_profile, campaign
 from gen.verification.comparisons import ALARMS, compare_alarms
+from tests.campaign import share
 from tests.examples import ROOT
 from tests.verification.planted import Campaign, Emitted, difference, emitted
 
@@ -83,7 +84,8 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+@pytest.mark.campaign
+@pytest.mark.parametrize("fault", share(FAULTS.values()), ids=share(FAULTS))
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
     found = difference(library().written(tmp_path, "_alarms.cpp", fault, most=9), ALARMS, given())
     assert found is not None

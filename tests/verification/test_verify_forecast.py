@@ -16,6 +16,7 @@ from gen.lowering.kinds import Arithmetic
 from gen.reference.forecast import HOLDABLE, KNOWN, RUNNING, SEARCHING
 from gen.verification.comparisons import compare_forecast, forecast_harness
 from gen.verification.forecast_campaign import ForecastCampaign, forecast_campaign
+from tests.campaign import share
 from tests.examples import ROOT
 from tests.verification.planted import Emitted, difference, emitted
 
@@ -159,12 +160,14 @@ def test_a_held_motors_campaign_has_answers_in_between_searches_and_answers_that
     assert set(np.unique(found["near"])) == {0, 1}
 
 
-@pytest.mark.parametrize("fault", HELD_FAULTS.values(), ids=HELD_FAULTS)
+@pytest.mark.campaign
+@pytest.mark.parametrize("fault", share(HELD_FAULTS.values()), ids=share(HELD_FAULTS))
 def test_a_planted_fault_of_holding_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
     caught("held", (fault[0].replace("{name}", "my1016"), fault[1].replace("{name}", "my1016")), tmp_path)
 
 
-@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+@pytest.mark.campaign
+@pytest.mark.parametrize("fault", share(FAULTS.values()), ids=share(FAULTS))
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
     caught("parts", (fault[0].replace("{name}", "MY1016"), fault[1].replace("{name}", "MY1016")), tmp_path)
 

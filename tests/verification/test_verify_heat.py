@@ -12,6 +12,7 @@ import pytest
 from gen.lowering.alarms import LoweredRule, lower_alarms
 from gen.verification.alarm_campaign import alarm_profile, campaign
 from gen.verification.comparisons import ALARMS, compare_alarms
+from tests.campaign import share
 from tests.examples import ROOT
 from tests.verification.planted import Campaign, Emitted, difference, emitted
 
@@ -130,7 +131,8 @@ SILENCE = {
 """Of what a silent sum says about another fault."""
 
 
-@pytest.mark.parametrize("fault", [*FAULTS.values(), *SILENCE.values()], ids=[*FAULTS, *SILENCE])
+@pytest.mark.campaign
+@pytest.mark.parametrize("fault", share([*FAULTS.values(), *SILENCE.values()]), ids=share([*FAULTS, *SILENCE]))
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
     planted = library().written(tmp_path, "_alarms.cpp" if fault in SILENCE.values() else "_heat.cpp", fault)
     found = difference(planted, ALARMS, given())

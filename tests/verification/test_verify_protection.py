@@ -13,6 +13,7 @@ import pytest
 from gen.lowering.protection import MOST_TIMES, LoweredProtection, lower_protection
 from gen.verification.comparisons import PROTECTION, compare_protection
 from gen.verification.protection_campaign import ProtectionCampaign, protection_campaign
+from tests.campaign import share
 from tests.examples import ROOT
 from tests.verification.planted import Emitted, difference, emitted
 
@@ -124,7 +125,8 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS)
+@pytest.mark.campaign
+@pytest.mark.parametrize("fault", share(FAULTS.values()), ids=share(FAULTS))
 def test_a_planted_fault_is_caught(fault: tuple[str, str], tmp_path: Path) -> None:
     found = difference(library().written(tmp_path, "_protection.cpp", fault), PROTECTION, given())
     assert found is not None
