@@ -61,6 +61,8 @@ def _may_drive(entry: Facts) -> bool:
     unit = entry.named[1]
     if unit is not None and unit.quantity == SHARE and not names.STORED.search(f"{entry.name} {worded(entry)}"):
         return True
+    if unit is not None and unit.target == "W":
+        return True
     return bool(names.DRIVES.search(worded(entry))) or _is_frequency(entry)
 
 

@@ -18,7 +18,7 @@ from gen.importing.reading.pairs import is_keyed, is_sparsely_keyed
 from gen.importing.reading.published import is_published, published_table
 from gen.importing.reading.rows.cells import DELIMITERS, guess_delimiter, lines_of, split_rows, stamped
 from gen.importing.reading.rows.delimited import table_of_rows
-from gen.importing.reading.tagged import chips, line_protocol, prometheus, rounds, topics
+from gen.importing.reading.tagged import chips, line_protocol, marked, prometheus, rounds, topics
 from gen.importing.reading.torn import without_blocks
 from gen.importing.table import Reading, Table
 
@@ -115,6 +115,9 @@ def _one_by_one(file: Path, lines: Lines, reading: Reading) -> Table | None:
         return tagged_table(file, topics.captured(lines, times), lines, reading, topics.UNTIMED)
     if rounds.is_rounds(lines.texts):
         return tagged_table(file, rounds.rounds(lines, times), lines, reading, rounds.UNTIMED)
+    named = marked.named(lines)
+    if named is not None and rounds.is_rounds(named.texts):
+        return tagged_table(file, rounds.rounds(named, times), named, reading, marked.UNTIMED)
     return None
 
 

@@ -52,12 +52,29 @@ def names_above(before: Sequence[list[str]], width: int, comments: Sequence[str]
         described = len(heads) > 1 and heads[-2][0].startswith(("X_", "Y_"))  # channels, in LabVIEW's files
         grouped = len(heads) > 1 and heads[-1][0].strip() != LABVIEWS_TIMES and not described
         return with_groups(heads[-1], heads[-2] if grouped else []), [""] * width
-    for text in reversed(comments):  # as numpy.savetxt writes it
-        for delimiter in DELIMITERS:
-            row = text.split() if delimiter == " " else text.split(delimiter)
-            if width > 1 and len(row) == width and is_head(row) and ":" not in row[0]:
-                return [cell.strip() for cell in row], [""] * width
-    return [], [""] * width
+    return _in_comments(comments, width)
+
+
+def _in_comments(comments: Sequence[str], width: int) -> tuple[list[str], list[str]]:
+    """Names of the last comment that can name them (`numpy.savetxt`), or with units below them (`nvidia-smi dmon`)."""
+    found: list[list[str]] = []
+    for text in reversed(comments):
+        row = _of_names(text, width)
+        if found and row and is_units(found[0], row) and not is_units(row):
+            return row, found[0]
+        if found:
+            break
+        found += [row] if row else []
+    return found[0] if found else [], [""] * width
+
+
+def _of_names(text: str, width: int) -> list[str]:
+    """A comment's cells, where they may name the columns; none where they can't."""
+    for delimiter in DELIMITERS:
+        row = text.split() if delimiter == " " else text.split(delimiter)
+        if width > 1 and len(row) == width and is_head(row) and ":" not in row[0]:
+            return [cell.strip() for cell in row]
+    return []
 
 
 def lacks_a_name(before: Sequence[list[str]], width: int) -> bool:
