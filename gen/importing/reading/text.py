@@ -59,23 +59,12 @@ def read_text(file: Path, data: bytes, given: Reading) -> Table:
 
 def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Table:
     reading = Reading(encoding, given.delimiter, given.decimal, {"encoding": why} if why else {})
-    lines = lines_of(text.removeprefix("\ufeff"))
+    text = text.removeprefix("\ufeff")
+    lines = lines_of(text)
     if not lines.texts:
         raise InputError("there are only comments; expected a header line and rows" if lines.comments else "is empty")
-    whole, may_be_json = None, text.lstrip("\ufeff \t\r\n").startswith(("[", "{"))
-    if may_be_json:
-        plain = replace(reading, decimal=".", delimiter="")
-        whole = array_table(file, text.removeprefix("\ufeff"), plain)
-        if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
-            return whole
-        if is_json(lines.texts):
-            if whole is None and len(lines.texts) == 1:
-                _check_whole(text.removeprefix("\ufeff"))
-            return json_table(file, lines, plain)
-    if _MAY_BE_DOCUMENTS.search(text) and (each := documents.one_a_line(text.removeprefix("\ufeff"))) is not None:
-        return json_table(file, each, replace(reading, decimal=".", delimiter=""))
-    if may_be_json and whole is None and _BEGINS_AS_JSON.match(text):
-        _check_whole(text.removeprefix("\ufeff"))
+    if (of_objects := _of_objects(file, text, lines, reading)) is not None:
+        return of_objects
     if not given.delimiter and is_published(lines.texts):
         return published_table(file, *stamped(lines), replace(reading, decimal="."))
     if not given.delimiter and (one_by_one := _one_by_one(file, lines, replace(reading, decimal="."))):
@@ -90,6 +79,25 @@ def _table(file: Path, text: str, given: Reading, encoding: str, why: str) -> Ta
         if given.delimiter or not is_sparsely_keyed(lines.texts):
             raise
         return _keyed(file, lines, times, reading)
+
+
+def _of_objects(file: Path, text: str, lines: Lines, reading: Reading) -> Table | None:
+    """A table of JSON: one text, an object a line, or one after the other; None of others."""
+    plain = replace(reading, decimal=".", delimiter="")
+    whole, may_be_json = None, text.lstrip("\ufeff \t\r\n").startswith(("[", "{"))
+    if may_be_json:
+        whole = array_table(file, text, plain)
+        if whole is not None and (whole.rows > 1 or len(lines.texts) > 1 or not is_json(lines.texts)):
+            return whole
+        if is_json(lines.texts):
+            if whole is None and len(lines.texts) == 1:
+                _check_whole(text)
+            return json_table(file, lines, plain)
+    if _MAY_BE_DOCUMENTS.search(text) and (each := documents.one_a_line(text)) is not None:
+        return json_table(file, each, plain)
+    if may_be_json and whole is None and _BEGINS_AS_JSON.match(text):
+        _check_whole(text)
+    return None
 
 
 def _delimited(file: Path, lines: Lines, times: Sequence[str], reading: Reading, *, ended: bool) -> Table:
