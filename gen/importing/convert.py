@@ -14,6 +14,7 @@ from gen.importing import sequence
 from gen.importing.converted import Converted, count_units_apart
 from gen.importing.drive import drive_of
 from gen.importing.guessing.evidence import Evidence, Facts
+from gen.importing.listing import listed
 from gen.importing.local import goes_ahead_an_hour, told_reset
 from gen.importing.mapping import DATED, Entry, Mapping
 from gen.importing.means import means
@@ -114,9 +115,21 @@ def convert(
             name = "_".join(filter(None, (label, str(number) if len(pieces) > 1 else "")))
             run = _run(kept, order.time_s[first:end], held, channels, begun)
             made.runs.append((name, run))
+    _check_told(made, mapping)
     warn_of_readings(channels, time, made)
     suspect(made, {entry.to: entry.unit for entry in mapping.column})
     return made
+
+
+def _check_told(made: Converted, mapping: Mapping) -> None:
+    """Refuse rows of which none tells a temperature: their time and their input are other rows' than the readings'."""
+    names = [entry.source for entry in mapping.column if _is_part(entry.to)]
+    if names and not any(np.isfinite(values).any() for _, run in made.runs for values in run.temps.values()):
+        raise InputError(
+            f"no row with a time and an input has a reading of {listed(names)}; "
+            "expected another --time COLUMN, or one file of rows that have all of them",
+            place=f"column {names[0]}",
+        )
 
 
 def _in_order(evidence: Evidence, index: int, mapping: Mapping) -> Evidence:

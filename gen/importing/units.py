@@ -96,10 +96,11 @@ _SENSOR = re.compile(r"SEN S/N\s*:\s*(?P<number>[\w-]+)")
 _UNIT_FIRST = re.compile(r"(?P<unit>°\s?[CFK]|℃|℉|%) (?:\[[\w.-]+\] ?)?(?P<base>\S.*)")
 """`°C [1-1] Winding`: a testo's unit, channel and name."""
 _SPELT_LAST = re.compile(
-    r"(?P<base>.*[A-Za-z])(?:[._ ]?(?P<word>(?i:celsius|fahrenheit|kelvin|deg[CF]))|(?<=emp)(?P<letter>[CFK])|"
-    r"(?<=emperature)(?P<full>[CFK])|(?<=ime|sed|amp)(?P<time>Ms|Millis|Us|Micros|Secs?|Seconds|Mins?|Minutes|Hours))"
+    r"(?P<base>.*[A-Za-z])(?:[._ ]?(?P<word>(?i:celsius|fahrenheit|kelvin|deg[CF])|(?<=[a-z])(?:Pct|Percent))|"
+    r"(?<=emp)(?P<letter>[CFK])|"
+    r"(?<=emperature)(?P<full>[CFK])|(?<=ime|sed|amp)(?P<time>Ms|MS|Millis|Us|US|Micros|Secs?|Seconds|Mins?|Minutes|Hours))"
 )
-"""A unit with nothing before it but a capital, or a point: `tempF`, `winding.fahrenheit`, `windingDegC`, `timeMs`."""
+"""A unit with nothing before it but a capital, or a point: `tempF`, `winding.fahrenheit`, `windingDegC`, `TimeUS`."""
 _FOREIGN = (
     "dba db dbm um µm μm mm cm m in inch mil %rh rh %r.h. %rf adc bit bits mt t gauss kg n kn mn va kva "
     "var kvar mω ω ohm ohms kohm mohm kω pa hpa kpa mpa mbar bar psi torr hz khz mhz j kj wh kwh ah mah "
@@ -205,6 +206,9 @@ def split_name(header: str) -> tuple[str, Unit | None, str]:
     labelled = _labelled(bracketed["base"], bracketed["unit"]) if bracketed and not unit_of(bracketed["unit"]) else None
     if labelled is not None:
         return labelled
+    of_a_device = bracketed and not bracketed["base"] and unit_of(bracketed["unit"]) is None
+    if bracketed and of_a_device and bracketed["after"] and not is_foreign(bracketed["unit"]):  # `[PLC]Drive.DutyPct`
+        return split_name(bracketed["after"])
     if bracketed and (bracketed["base"] or bracketed["after"]):
         base = f"{bracketed['base'].strip()} {bracketed['after']}".strip()
         return base, unit_of(bracketed["unit"]), bracketed["unit"].strip()

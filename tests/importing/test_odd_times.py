@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from gen.errors import InputError
-from tests.importing.logs import TRUE, same, take, taken, write
+from tests.importing.logs import TRUE, csv, same, take, taken, write
 
 BEGIN = datetime(2026, 7, 4, 22, 30)
 REST = TRUE[["pwm", "winding_degC", "casing_degC"]]
@@ -152,3 +152,20 @@ def test_timestamps_of_a_zone_in_parquet_are_in_utc(tmp_path: Path) -> None:
     stamps = pd.DatetimeIndex(every(timedelta(seconds=10))).tz_localize("Europe/Berlin")
     REST.assign(timestamp=stamps).to_parquet(tmp_path / "log.parquet")
     assert taken(tmp_path / "log.parquet", tmp_path / "out").comments["started"].startswith("2026-07-04T20:30:00")
+
+
+@pytest.mark.parametrize(("name", "scale"), [("TimeUS", 1e6), ("timeUs", 1e6), ("TimeMS", 1e3), ("timestampMS", 1e3)])
+def test_a_unit_in_capitals_behind_a_time(name: str, scale: float, tmp_path: Path) -> None:
+    frame = TRUE.assign(time_s=(120e6 + scale * TRUE["time_s"]).astype(int)).rename(columns={"time_s": name})
+    run = taken(write(tmp_path, csv(frame)), tmp_path / "out")
+    np.testing.assert_allclose(np.diff(run.time_s), 0.5)
+
+
+def test_whole_steps_that_would_last_days_in_ms_are_asked_for(tmp_path: Path) -> None:
+    """120 s after a flight controller began, in us; in ms that would be more than a day."""
+    counted = (120e6 + 2e4 * TRUE["time_s"]).astype(int)
+    log = write(tmp_path, csv(TRUE.assign(timestamp=counted).drop(columns="time_s")))
+    with pytest.raises(InputError, match=r"timestamp: time in ms\? .* in ms and .* in us"):
+        taken(log, tmp_path / "out")
+    run = taken(log, tmp_path / "out", units={"timestamp": "us"})
+    np.testing.assert_allclose(np.diff(run.time_s), 0.01)

@@ -79,6 +79,43 @@ def test_a_message_that_tells_its_own_time(tmp_path: Path) -> None:
     same(run, LATER[["time_s", "pwm", "winding_degC"]], {"winding_degC": "DS18B20_degC"})
 
 
+def console(*, uptime: bool, mark: str) -> str:
+    """Tasmota's: what a switch does and what sensors read are messages of their own, a part of a second apart."""
+    lines = ["00:00:00.001 HDW: ESP8266EX", "08:14:59.112 MQT: Attempting connection..."] if mark else []
+    head, between = ("MQT: ", " = ") if mark else ("", " ")
+    for at, row in times():
+        clock = pd.Timestamp(at, unit="s").strftime("%H:%M:%S")
+        state = {"UptimeSec": at - BEGIN + 3600} if uptime else {}
+        sensors = {"Winding": {"Temperature": row.winding_degC}, "Casing": {"Temperature": row.casing_degC}}
+        lines.append(f"{clock}.201 {head}tele/m/STATE{between}" + json.dumps(state | {"PWM": row.pwm}))
+        lines.append(f"{clock}.521 {head}tele/m/SENSOR{between}" + json.dumps(sensors | {"TempUnit": "C"}))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("mark", ["MQT", ""], ids=["console", "broker"])
+@pytest.mark.parametrize("uptime", [True, False])
+def test_a_time_that_some_messages_tell_is_not_that_of_all(uptime: bool, mark: str, tmp_path: Path) -> None:
+    """The lines' own is: by how long a device runs, no row would have had a temperature."""
+    run = taken(write(tmp_path, console(uptime=uptime, mark=mark)), tmp_path / "out", units={"STATE.PWM": "counts"})
+    known = np.isfinite(run.temps["winding"])
+    np.testing.assert_allclose(run.temps["winding"][known], TRUE["winding_degC"])
+    np.testing.assert_allclose(run.time_s[known] - run.time_s[0], 0.32 + STEP * np.arange(len(TRUE)), atol=1e-6)
+    assert run.pwm[known].tolist() == TRUE["pwm"].tolist()
+
+
+def test_rows_of_which_none_tells_a_temperature_are_refused(tmp_path: Path) -> None:
+    log = write(tmp_path, console(uptime=True, mark=""))
+    with pytest.raises(InputError, match=r"no row with a time and an input has a reading of SENSOR\.Winding"):
+        take(
+            log,
+            tmp_path / "out",
+            time="STATE.UptimeSec",
+            units={"STATE.PWM": "counts"},
+            columns={"SENSOR.Winding.Temperature": "winding_degC"},
+        )
+    assert not list((tmp_path / "out").glob("*.csv"))
+
+
 def test_messages_without_times_say_how_to_record_them(tmp_path: Path) -> None:
     log = write(tmp_path, broker(lambda at: ""), name="mqtt.log")
     with pytest.raises(

@@ -36,6 +36,20 @@ def test_fractions_of_a_second_in_a_column_of_their_own(head: str, scale: int, f
     assert list(run.extras) == []
 
 
+def test_fractions_that_rows_of_one_time_share(tmp_path: Path) -> None:
+    """A row for each tag, as FactoryTalk's historian writes them; the program stands in brackets before each."""
+    rows = ["Date,Time,Millitm,Tagname,Value,Status,Marker"]
+    for i, entry in enumerate(truth().itertuples()):
+        at = pd.Timestamp("2024-05-02 23:10:03.031") + pd.Timedelta(seconds=5.031 * i)
+        stamp = f"{at:%m/%d/%Y,%H:%M:%S},{at.microsecond // 1000}"
+        rows += [f"{stamp},[PLC]Motor.WindingTemp,{entry.winding_degC},,", f"{stamp},[PLC]Drive.DutyPct,{entry.pwm},,"]
+    log = write(tmp_path, "\n".join(rows).replace(",204,", ",80,"))
+    run = taken(log, tmp_path / "out", series="Tagname")
+    np.testing.assert_allclose(run.time_s, 5.031 * np.arange(len(truth())), atol=1.1e-3)
+    assert run.pwm.max() == 204
+    assert list(run.extras) == []
+
+
 @pytest.mark.parametrize(
     ("head", "scale"),
     [

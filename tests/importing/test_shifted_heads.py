@@ -231,3 +231,26 @@ def test_hours_of_five_digits(tmp_path: Path) -> None:
     rows = [f"{i // 6:05d}:{i % 6}0:00.0,{pwm:g},{winding}" for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())]
     run = taken(write(tmp_path, "\n".join(["Time,PWM,winding [C]", *rows])), tmp_path / "out")
     np.testing.assert_allclose(run.time_s, 600.0 * np.arange(len(TRUE)))
+
+
+@pytest.mark.parametrize(
+    "first",
+    [lambda i: f"{1714684205 + 10 * i}:", lambda i: f"{1714684205 + 10 * i}", lambda i: f"{10.5 * i:g}"],
+    ids=["rrdtool", "since 1970", "from 0"],
+)
+def test_a_number_that_rises_before_the_first_name_is_the_time(first: Callable[[int], str], tmp_path: Path) -> None:
+    rows = [f"{first(i)} {pwm:g} {winding}" for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())]
+    for blank in ([], [""]):
+        log = write(tmp_path, "\n".join(["duty  winding", *blank, *rows]))
+        run = taken(log, tmp_path / "out", units={"duty": "counts"}, overwrite=True)
+        assert run.pwm.tolist() == TRUE["pwm"].tolist()
+        np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])
+        np.testing.assert_allclose(np.diff(run.time_s), 10.5 if first(1) == "10.5" else 10.0)
+
+
+def test_words_before_the_first_name_are_not_of_it(tmp_path: Path) -> None:
+    rows = [f"S{i:03d} {pwm:g} {winding}" for i, (_, pwm, winding) in enumerate(KNOWN.to_numpy())]
+    log = write(tmp_path, "\n".join(["duty winding", *rows]))
+    run = taken(log, tmp_path / "out", units={"duty": "counts"}, time="5")
+    assert run.pwm.tolist() == TRUE["pwm"].tolist()
+    np.testing.assert_array_equal(run.temps["winding"], TRUE["winding_degC"])

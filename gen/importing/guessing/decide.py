@@ -163,7 +163,7 @@ def _by_guess(evidence: Evidence, choices: Choices) -> Decided:
     used = {*reserved, *time.columns, drive.column, drive.sign} - {""}
     entries, said = decide_columns(evidence, _by_old_names(evidence, choices), used)
     guesses += said
-    _check_mixed(evidence, entries, {*choices.columns, runs})
+    _check_mixed(evidence, entries, {*choices.columns, runs, drive.column})
     turns = None if choices.duplicates else extremes_by_turns(evidence, time.columns)
     guesses += [turns] if turns else []
     form = evidence.tables[0].reading

@@ -24,7 +24,9 @@ def drives(numbers: Sequence[Facts]) -> list[Facts]:
     numbers
         Columns of numbers.
     """
+    called = [entry.name for entry in numbers]
     found = [entry for entry in numbers if _may_drive(entry) and entry.span != (0.0, 0.0)]
+    found = [entry for entry in found if not names.are_terms(entry.name, called)]
     had = [entry for entry in found if not names.WANTED.search(worded(entry))]  # what was wanted heats nothing
     return sorted(had or found, key=lambda entry: _kind(entry)[0])
 

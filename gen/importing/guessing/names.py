@@ -85,6 +85,12 @@ SERIES = re.compile(
     r"sensor|sensor.?name|sensor.?id|channel|kanal|signal|variable|field|_field|tag|tag.?name|entity.?id|metric|series|topic|"
     r"tags|node|node.?id|probe|item|parameter|quantity|id|channel.?(?:id|no|nr|number)|var.?name|messstelle|messgr(?:ö|oe)(?:ß|ss)e|capteur|sensore"
 )
+DEVICES = re.compile(
+    r"(?:unit|device|dev|index|instance|motor|slave|station|addr|address|drive|axis|gpu|board|module|esc|machine|modul|"
+    r"ger(?:ä|ae)t|motoren|adresse|achse|antrieb|moteur|motore)s?"
+    r"(?:[ _-]?(?:id|no|nr|number|index|address|addr|adr|idx))?"
+)
+"""What columns are called that say by numbers whose readings a row holds, where these come by turns."""
 _SAYS_AMBIENT = (
     r"amb|ambient|ambiance|t_?amb|surroundings?|(?:t_?)?umg|umgebung|umgebungstemp(?:eratur)?|umgebungsluft|ambiante?s?|ambiente|"
     r"ambientale?|omgeving|omgevingstemperatuur|omgevingslucht"
@@ -128,12 +134,15 @@ NEUTRAL = re.compile(
 )
 """What stands beside such a word and changes nothing."""
 WANTED = _words(rf"{languages.WANTED}|limit|threshold|grenze|model|estimated?|predicted")
+ASKED = _words(r"goal|wanted|desired|demand(?:ed)?|request(?:ed)?|req|aim|sp|sv|cmd|command(?:ed)?")
+"""What a temperature shall reach, where another quantity of that name is what a motor is told."""
 BOUND = _words(
     r"limits?|max|maximum|min|minimum|alarms?|alerts?|warn|warning|trip|shut[ -]?(?:down|off)|cut[ -]?(?:off|out)|"
-    r"crit|critical|lcrit|hyst|emergency|threshold|grenze|grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
+    r"crit|critical|lcrit|hyst|slow[ -]?down|throttling|emergency|threshold|grenze|"
+    r"grenzwert|schwelle|limite|soglia|umbral|limiar|grens|rated|nominal|allowed|zul(?:ä|ae)ssig|hi|high"
 )
 """What a part may have, where it is the same in all rows: `winding_max_C`."""
-EXTREME = _words(r"max|maximum|min|minimum|hi|high")
+EXTREME = _words(r"(?:max|maximum|min|minimum|hi|high)(?! operat)")
 """What the largest of several readings is called as well as a limit."""
 FLAG = _words(
     r"open|opened|fault|faults|fehler|error|errors|flag|flags|alarm|alarms|alert|status|state|ok|valid|invalid|enabled?|active|"
@@ -231,6 +240,23 @@ WORKED = _words(
 """How long a machine has run in its life."""
 BUSY = _words(r"(?:cpu|processor|buffer)[ _-]?time")
 """What a processor worked, or what waits in a queue, s: no time of a log."""
+
+
+_TERMS = frozenset("pid")
+
+
+def are_terms(name: str, beside: Collection[str]) -> bool:
+    """Whether a name is one of a controller's terms `p`, `i` and `d`, which stand beside each other.
+
+    Parameters
+    ----------
+    name
+        A column's.
+    beside
+        All columns'.
+    """
+    ends = {other.casefold().rpartition(".")[2] for other in beside}
+    return name.casefold().rpartition(".")[2] in _TERMS <= ends
 
 
 def is_thermal(name: str) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from gen.arrays import FloatArray
 from gen.importing.guessing.evidence import Evidence, Facts
-from gen.importing.guessing.series_columns import come_by_turns, moving, series_of
+from gen.importing.guessing.series_columns import come_by_turns, moving, numbers_by_turns, series_of
 from gen.importing.mapping import Entry
 
 _APART = 3.0
@@ -30,9 +30,10 @@ def mixed(evidence: Evidence, entries: Sequence[Entry], told: Collection[str]) -
     told
         Columns that are none of names.
     """
+    taken = {entry.source for entry in entries if entry.to.endswith("_degC")}
     temperatures = [evidence.facts[entry.source] for entry in entries if entry.to.endswith("_degC")]
     for name, facts in evidence.facts.items():
-        if name in told or not come_by_turns(facts):
+        if name in told or name in taken or not (come_by_turns(facts) or numbers_by_turns(facts)):
             continue
         found = next((entry.name for entry in temperatures if _goes_to_and_fro(entry, facts.texts)), "")
         if found:

@@ -113,7 +113,10 @@ def sorted_out(facts: Facts, evidence: Evidence, choices: Choices) -> Sorted:
     target = choices.columns.get(facts.name, "")
     if names.WANTED.search(base) and not target:
         return Sorted(facts, "", unit, 0.8, "a wanted or modelled value by its name")
-    if unit is not None and unit.quantity == TEMPERATURE:
+    in_degrees = unit is not None and unit.quantity == TEMPERATURE
+    if names.ASKED.search(base) and not target and (in_degrees or (unit is None and _thermal(facts, base))):
+        return Sorted(facts, "", unit, 0.8, "a wanted value by its name")
+    if unit is not None and in_degrees:
         said = "" if target else _no_temperature(base) or _bound(facts, base, evidence)
         if said:
             return Sorted(facts, "", unit, 0.8, said)
@@ -138,6 +141,8 @@ def sorted_out(facts: Facts, evidence: Evidence, choices: Choices) -> Sorted:
         return unless_it_counts(_by_range(facts, False) if plain else _of_a_part(facts), evidence)
     if unit is not None:
         return Sorted(facts, unit.quantity, unit, 0.9, f"in {unit.name} by its {where}")
+    if names.are_terms(facts.name, evidence.facts) and not target:
+        return Sorted(facts, "", None, 0.8, "a controller's term by its name and those beside it; kept as it is")
     return _by_name(facts, base)
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from gen.importing.guessing.evidence import Evidence, Facts
-from gen.importing.guessing.names import SERIES, TIME
+from gen.importing.guessing.names import DEVICES, SERIES, TIME
 from gen.importing.units import unit_of
 
 MOST_SERIES = 200
@@ -18,6 +18,8 @@ _VALUES = (
 )
 _MOST_STEADY = 0.8
 """Of the rows, those that may have the name of the row before: an operator's remark changes more rarely."""
+_ROUND = 0.9
+"""Of the rows, that say what the row of the round before said."""
 _LEAST_ROWS = 3
 """Of each name, on average."""
 _LEAST_UNITS = 0.9
@@ -46,9 +48,27 @@ def names_and_values(evidence: Evidence, told: Collection[str]) -> tuple[str, st
     values = value_column(evidence, {facts.name for facts in named[:1]})
     if not named and (not values or len(by_turns) != 1):
         return None
-    found = (named or by_turns)[0].name
-    several = [facts.name for facts in moving(evidence, {found})] if not values else []
-    return found, series_of(found, [values] if values and not is_plain_value(values) else several)
+    found = (named or by_turns)[0]
+    several = [facts.name for facts in _of_each(evidence, found)] if not values else []
+    return found.name, series_of(found.name, [values] if values and not is_plain_value(values) else several)
+
+
+def _of_each(evidence: Evidence, of: Facts) -> list[Facts]:
+    """Columns of which each name has values of its own: they move from row to row, or differ within rounds of names."""
+    found = moving(evidence, {of.name})
+    many = len(set(of.texts))
+    if not _goes_round(of.texts):
+        return found
+    whole = len(of.texts) // many * many
+    apart = [
+        facts
+        for facts in evidence.numbers
+        if facts.name != of.name
+        and facts.values.size == len(of.texts)
+        and not _time_like(facts)
+        and np.ptp(facts.values[:whole].reshape(-1, many), axis=1).any()
+    ]
+    return [facts for facts in evidence.numbers if facts in found or facts in apart]
 
 
 def series_of(names: str, values: Sequence[str]) -> str:
@@ -129,16 +149,40 @@ def is_plain_value(name: str) -> bool:
 
 
 def _numbered(evidence: Evidence, told: Collection[str]) -> list[Facts]:
-    """Columns that call sensors by whole numbers, by turns: `sensor_id`."""
+    """Columns that call sensors or devices by whole numbers, by turns: `sensor_id`, `index`."""
     return [
         facts
         for facts in evidence.numbers
         if facts.name not in told
-        and SERIES.fullmatch(facts.name.casefold())
-        and facts.whole
-        and 1 < len(set(facts.texts)) <= min(MOST_SERIES, len(facts.texts) // _LEAST_ROWS)
-        and _turns(facts)
+        and (
+            (SERIES.fullmatch(facts.name.casefold()) and _numbers(facts))
+            or (DEVICES.fullmatch(facts.name.casefold()) and numbers_by_turns(facts))
+        )
     ]
+
+
+def numbers_by_turns(facts: Facts) -> bool:
+    """Whether a column holds a few whole numbers, over and over in one order.
+
+    Parameters
+    ----------
+    facts
+        Of the column.
+    """
+    return _numbers(facts) and _goes_round(facts.texts)
+
+
+def _numbers(facts: Facts) -> bool:
+    """Whether a column holds a few whole numbers that come by turns."""
+    few = min(MOST_SERIES, len(facts.texts) // _LEAST_ROWS)
+    return facts.kind == "number" and facts.whole and 1 < len(set(facts.texts)) <= few and _turns(facts)
+
+
+def _goes_round(texts: Sequence[str]) -> bool:
+    """Whether numbers come in one order over and over, as devices are asked; a switch is not turned so evenly."""
+    many = len(set(texts))
+    same = sum(1 for before, after in zip(texts, texts[many:], strict=False) if before == after)
+    return same >= _ROUND * (len(texts) - many)
 
 
 def unit_column(evidence: Evidence) -> str:

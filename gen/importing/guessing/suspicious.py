@@ -144,7 +144,7 @@ def _like_switched(evidence: Evidence, mapping: Mapping) -> str:
 
 def _like_several(evidence: Evidence, mapping: Mapping, choices: Choices) -> str:
     """A column that was said to be none of names, between which a temperature goes to and fro all the same."""
-    others = {name for name in evidence.facts if name not in choices.columns} | {mapping.runs}
+    others = {name for name in evidence.facts if name not in choices.columns} | {mapping.runs, mapping.input.column}
     found = mixed(evidence, mapping.column, others)
     if found is None:
         return ""

@@ -14,6 +14,7 @@ _OTHERS = (
     names.OTHER,
     names.FLAG,
     names.WANTED,
+    names.ASKED,
     names.MOIST,
     names.RISE,
     names.DIFFERENCE,

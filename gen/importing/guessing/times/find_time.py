@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,8 @@ _EVEN = 0.8
 """Of the steps."""
 _MOST_BACK = 0.2
 """Of the steps of a time: where more of them go back, rows are not in its order."""
+_MORE = 1.2
+"""Rows with one time, of those with another."""
 _COARSE_S = 2.0
 """By which timestamps of whole seconds may be off at both ends."""
 
@@ -47,8 +49,9 @@ class _Candidates:
     def __init__(self, evidence: Evidence, choices: Choices) -> None:
         named = choices.columns
         self.facts = [entry for name, entry in evidence.facts.items() if named.get(name, "time_s") == "time_s"]
-        self.rising = [entry for entry in self.of("number") if _rises(entry)]
-        self.instants = self.of("instant")
+        written = self.of("instant", "clock", "minutes")
+        self.rising = _of_most_rows([entry for entry in self.of("number") if _rises(entry)], written)
+        self.instants = _of_most_rows(self.of("instant"), written)
         self.clocks = self.of("clock", "minutes")
 
     def of(self, *kinds: str) -> list[Facts]:
@@ -203,6 +206,18 @@ def _alike(one: Facts, other: Facts) -> bool:
     """Whether two columns last equally long, in whatever units."""
     ratio = _length(one) / max(_length(other), 1e-12)
     return any(abs(ratio * scale - 1.0) < _SAME_LENGTH for scale in _RATIOS)
+
+
+def _of_most_rows(entries: Sequence[Facts], written: Sequence[Facts]) -> list[Facts]:
+    """Those beside which no other time stands in many more rows: lines have one, of which some say how long it runs."""
+    most = max(map(_filled, written), default=0)
+    return [entry for entry in entries if most <= _MORE * _filled(entry)]
+
+
+def _filled(entry: Facts) -> int:
+    """Rows of the first table in which a column holds something."""
+    cells = entry.columns[0].cells
+    return sum(1 for cell in cells if cell) if isinstance(cells, list) else len(cells)
 
 
 def _contradicts(entry: Facts, instants: Facts) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -94,8 +94,14 @@ def _in_one(before: Column, column: Column, mark: str, *, beside: bool) -> list[
 
 
 def _rise_within(cells: Sequence[str] | Sequence[int], parts: IntArray) -> bool:
-    """Whether fractions rise from row to row of one second, as those of a loop's own time do not."""
-    steps = [b - a for (one, a), (other, b) in pairwise(zip(cells, parts.tolist(), strict=True)) if one == other]
+    """Whether fractions rise from row to row of one second, as those of a loop's own time do not.
+
+    Rows of one time, one for each sensor, have one fraction.
+    """
+    times = list(zip(cells, parts.tolist(), strict=True))
+    if parts.size and parts.min() < parts.max():
+        times = [time for time, _ in groupby(times)]
+    steps = [b - a for (one, a), (other, b) in pairwise(times) if one == other]
     return sum(1 for step in steps if step <= 0) <= _MOST_ASTRAY * len(steps)
 
 

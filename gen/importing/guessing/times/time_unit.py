@@ -37,6 +37,8 @@ _SLOWER = (("min", 60.0, 1.0), ("h", 3600.0, 10.0))
 _SLOWEST_S = 1800.0
 _SLOW_S = 300.0
 """Rows that would come as seldom in ms may be of a counter of us."""
+_LEAST_US, _LONG_S = 1000.0, 86400.0
+"""Steps in us of what logs fastest; and a day, which a counter of ms seldom passes where one of us soon would."""
 _LONGEST_UP_S = 1e8
 """Three years, which nothing runs without being switched off."""
 _FINER = (("us", 1e-6), ("ns", 1e-9))
@@ -161,6 +163,8 @@ def _unit_by_steps(entry: Facts) -> tuple[str, float, str]:
         return finer[0], 0.7, f"{said} and whole, {_lasting(step * 1e-3)} in ms: {finer[0]}"
     if entry.whole and step * 1e-3 > _SLOW_S and step * 1e-3 not in _ROUND_S:
         return "ms", _EITHER, f"{said} and whole: {_lasting(step * 1e-3)} in ms, {step * 1e-6:.3g} s in us"
+    if entry.whole and step >= _LEAST_US and high * 1e-3 > _LONG_S:
+        return "ms", _EITHER, f"{said} and whole, up to {_lasting(high * 1e-3)} in ms and {_lasting(high * 1e-6)} in us"
     if entry.whole and step >= 100 and not (step in _ROUND_S and len(set(rising.tolist())) == 1):
         return "ms", 0.8, f"{said} and whole: ms"
     if entry.whole and step in _ROUND_S:

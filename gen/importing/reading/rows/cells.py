@@ -11,6 +11,7 @@ from gen.errors import InputError
 from gen.importing.numbers import plain_number
 from gen.importing.reading.lines import Lines
 from gen.importing.reading.logged import is_logged, logged
+from gen.importing.reading.rows.kinds import is_number
 
 DELIMITERS = {";": "semicolon", "\t": "tab", "|": "pipe", ",": "comma", " ": "white space"}
 _COMMENT = re.compile(r"\s*(?:#|%(?![,;|\t])|//|\*\*|--\s)")  # a unit of a row of units may be `%`
@@ -144,3 +145,14 @@ def _closed(texts: list[str]) -> list[str]:
         for i in odd:
             texts[i] = texts[i].replace('"', "")
     return texts
+
+
+def without_colons(cells: list[str]) -> list[str]:
+    """A first column without the mark behind each of its times: `1714684205: 21.4`, as rrdtool writes.
+
+    Parameters
+    ----------
+    cells
+        Of the column.
+    """
+    return [cell[:-1] for cell in cells] if all(cell[-1:] == ":" and is_number(cell[:-1]) for cell in cells) else cells

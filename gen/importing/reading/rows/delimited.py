@@ -15,6 +15,7 @@ from gen.errors import InputError
 from gen.importing.numbers import decimal_mark, thousands_or_fractions
 from gen.importing.reading.rows.annotated import of_one_head
 from gen.importing.reading.rows.broken_off import broken_off
+from gen.importing.reading.rows.cells import without_colons
 from gen.importing.reading.rows.channels import have_own_times, units_by_channel
 from gen.importing.reading.rows.heads import is_label, listed_units, paired_head, parted_decimals, with_labels
 from gen.importing.reading.rows.intervals import told_interval
@@ -93,6 +94,7 @@ def table_of_rows(
             place=counted[0].first,
         )
     cells = [list(column) for column in zip(*(rows[i] for i in good), strict=True)]
+    cells[0] = without_colons(cells[0])
     if not names:
         names = [f"column_{i + 1}" for i in range(width)]
     names = without_labels(names)

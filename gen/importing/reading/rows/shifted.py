@@ -9,12 +9,15 @@ from itertools import pairwise
 from gen.importing.clock import is_time, kind_of
 from gen.importing.guessing.names import AMBIENT, OTHER, PARTS, TIME
 from gen.importing.numbers import plain_number
+from gen.importing.reading.rows.kinds import is_number
 from gen.importing.units import TIME as TIME_QUANTITY
 from gen.importing.units import split_name
 
 _SAMPLE = 400
 _LEAST = 3
 """Columns."""
+_LEAST_RISING = 10
+"""Rows."""
 _WHOLE_SECONDS = re.compile(r"\d{1,2}:\d{2}:\d{2}$")
 _MILLIS = re.compile(r"\d{1,3}")
 _DIGITS = 3
@@ -25,7 +28,7 @@ _MOSTLY = 0.5
 
 
 def first_name(names: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    """What the first column is, where it is that without a name: "row" or "time", as R writes them; else empty.
+    """What the first column is, where it is that without a name: "row" or "time", as R or rrdtool write; else empty.
 
     Parameters
     ----------
@@ -36,8 +39,11 @@ def first_name(names: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
     """
     first = list(cells[0][:_SAMPLE])
     timed = next((i for i, name in enumerate(names) if _is_time(name)), None)
-    if timed is None and kind_of(first) in ("instant", "clock") and _is_quantity(names[0]):
-        return "time"
+    if timed is None and _is_quantity(names[0]):
+        if kind_of(first) in ("instant", "clock") or _rises_always(first):
+            return "time"
+        if not any(map(is_number, first)):
+            return "row"
     if len(names) < _LEAST or len(first) < 2 or first not in ([str(i + k) for i in range(len(first))] for k in (0, 1)):
         return ""
     return "row" if timed is None or _rises(cells[timed + 1][:_SAMPLE]) else ""
@@ -94,6 +100,14 @@ def _is_quantity(name: str) -> bool:
 
 def _is_word(cell: str) -> bool:
     return any(map(str.isalpha, cell)) and plain_number(cell.strip()) is None
+
+
+def _rises_always(cells: Sequence[str]) -> bool:
+    """Whether numbers rise in every row, as a time does, and no quantity of a motor that also rests."""
+    numbers = [plain_number(cell.strip()) for cell in cells]
+    return len(numbers) >= _LEAST_RISING and all(
+        a is not None and b is not None and a < b for a, b in pairwise(numbers)
+    )
 
 
 def _rises(cells: Sequence[str]) -> bool:

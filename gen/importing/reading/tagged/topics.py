@@ -16,8 +16,9 @@ from gen.importing.reading.tagged.tails import without_shared
 
 _LINE = re.compile(
     r"(?:[\[(]?(?P<time>\d.{0,38}?)[\])]?[\s:,;|]+)??"
+    r"(?:[A-Z]{3}: )?"  # of Tasmota's console: `MQT: tele/oven/SENSOR = {..}`
     r"(?P<topic>[A-Za-z_$/][^\s{}\"',;=]*/[^\s{}\"',;=]*?|[A-Za-z_$][^\s{}\"',;=/:]*(?=:? \{))"
-    r"(?:\s+:\s+|:?\s+)(?P<said>\S.*)"
+    r"(?:\s+[:=]\s+|:?\s+)(?P<said>\S.*)"
 )
 _EPOCH = re.compile(r"\d{10}(?:\.\d+)?|\d{13}|\d{16}|\d{19}")
 _STAMP = re.compile(r"(?P<when>.*\d)Z(?P<zone>[+-]\d{4})")
