@@ -22,7 +22,7 @@ from gen.identification.network.fitting.scale import Scale, scale_of
 from gen.identification.network.fitting.structure import Structure
 from gen.identification.network.fitting.weights import weights
 from gen.identification.network.hidden_nodes import MOST_HIDDEN, SLACK, Candidate, Tried, bending, noise_of, stiff
-from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out
+from gen.identification.network.left_out import LeftOut, each_alone, folds_of, left_out, second_half
 from gen.identification.network.prune import held_to_tables, pruned
 from gen.identification.network.search import Found, in_still_air, tightened, with_warmth
 from gen.identification.network.starts import taken_over
@@ -55,6 +55,8 @@ class NetworkFound:
     simpler
         The same, on the coarse bins, before each thing that goes with temperature came in (growing heat, then natural
         convection); none where nothing does.
+    later
+        Errors on the second half of the only run, from a fit to its first; None where there are more runs.
     """
 
     data: NetworkData
@@ -63,6 +65,7 @@ class NetworkFound:
     inputs: Inputs
     candidates: tuple[Candidate, ...]
     simpler: tuple[Found, ...] = ()
+    later: LeftOut | None = None
 
     @cached_property
     def residual(self) -> FloatArray:
@@ -95,9 +98,10 @@ def identify_network(
         return identify_network(doubted, progress, most_hidden)
     *simpler, warmest = _by_temperature(data, best.found, scale, progress)
     judged = left_out(warmest, folds_of(inputs)) if simpler else best.judged
+    later = _later(warmest)
     progress("last fit")
     last = _polished(data, warmest, scale)
-    return NetworkFound(_with_room(data, last), last, judged, inputs, best.candidates, tuple(simpler))
+    return NetworkFound(_with_room(data, last), last, judged, inputs, best.candidates, tuple(simpler), later)
 
 
 def simplified(result: NetworkFound, why: str) -> NetworkFound:
@@ -108,7 +112,12 @@ def simplified(result: NetworkFound, why: str) -> NetworkFound:
     data = replace(result.data, warnings=(*result.data.warnings, f"{said}, {why}"))
     judged = left_out(found, folds_of(result.inputs))
     last = _polished(data, found, scale_of(result.inputs))
-    return replace(result, data=data, found=last, judged=judged, simpler=tuple(simpler))
+    return replace(result, data=data, found=last, judged=judged, simpler=tuple(simpler), later=_later(found))
+
+
+def _later(found: Found) -> LeftOut | None:
+    half = second_half(found.problem.inputs)
+    return None if half is None else left_out(found, [half])
 
 
 def _by_temperature(

@@ -74,6 +74,14 @@ def stretches_of(inputs: Inputs) -> list[BoolArray]:
     return [(part % (STRETCHES // 2)) == k for k in range(STRETCHES // 2)]
 
 
+def second_half(inputs: Inputs) -> BoolArray | None:
+    """Give the second half of the only run, shape (N,); None where there are more, which tell of each other.
+
+    Stretches lie between what takes part in the fit, which holds them from both sides; nothing holds what comes later.
+    """
+    return inputs.begins >= 0.5 * inputs.runs[0].duration if len(inputs.runs) == 1 else None
+
+
 def each_alone(inputs: Inputs) -> bool:
     """Whether most of the time that turns is at speeds which no other run has, and no run changes speed much."""
     turning = inputs.turns

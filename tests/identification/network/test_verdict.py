@@ -122,3 +122,39 @@ def test_of_one_run_it_is_said_that_stretches_of_it_tell_of_no_other_and_more_is
         least = 2.0 * np.hypot(0.2, 0.01 * 0.9 * moved[one.data.names.index(band.component)])
         assert -low > least
         assert high > least
+
+
+def test_of_one_run_it_is_said_how_well_its_second_half_was_foretold() -> None:
+    """A fan that is switched on half-way, of which no stretch that takes part in the fit lets the others know."""
+    run = TWO.run(
+        holds((200, 60), (120, 60), (0, 60), (200, 60), (120, 60), (0, 60)), np.random.default_rng(1), noise=0.05
+    )
+    late = run.time_s >= 0.5 * run.time_s[-1]
+    gone = {
+        name: np.where(late, values - 0.1 * (values - run.temps[name][0]), values) for name, values in run.temps.items()
+    }
+    told = [
+        Summary(identify_network(make_network_data([Source("run.csv", one)], None), lambda _: None, 0))
+        for one in (run, replace(run, temps=gone))
+    ]
+    assert all(
+        "the second half of the run from its first alone to" in one.verdict for one in told if "Good" in one.verdict
+    )
+    same, other = (one.later_K for one in told)
+    assert same is not None
+    assert other is not None
+    assert np.all(same < 0.5)
+    assert np.all(other > 1.0)
+    assert Summary(found_from(MIXED)).later_K is None
+
+
+def test_what_the_runs_leave_open_on_other_profiles_is_said() -> None:
+    """Half an hour at one speed says little of an hour at others; three hours at several say enough."""
+    short = Summary(found_from((holds((60, 5), (255, 20), (0, 20)),)))
+    most = max(
+        abs(end)
+        for band in error_bands(short.result, short.spread, turned_range(short.result))
+        for end in band.model_minus_measured_K
+    )
+    assert most > 5.0
+    assert any(f"the file declares errors of up to {most:.0f} K (" in warning for warning in short.warnings())

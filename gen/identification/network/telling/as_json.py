@@ -99,10 +99,17 @@ def _component(summary: Summary, s: int) -> dict[str, Any]:
     return {
         "rms_K": {run.name: float(summary.rms_K[r, s]) for r, run in enumerate(result.data.fine)},
         "left_out_rms_K": float(summary.left_out_K[s]),
+        "second_half_rms_K": _second_half(summary, s),
         "left_out": errors,
         "sensor_offset_K": {"value": offset, "interval": _interval(offset, float(summary.spread.deviation[place]))},
         "speeds": speeds,
     }
+
+
+def _second_half(summary: Summary, s: int) -> float | None:
+    """Of the only run, by a part, K; None where there are more, or nothing was read in it."""
+    later = summary.later_K
+    return None if later is None or not np.isfinite(later[s]) else float(later[s])
 
 
 def _nodes(summary: Summary) -> list[dict[str, Any]]:

@@ -8,10 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from gen.arrays import FloatArray
-from gen.identification.grades import GOOD_K, NOISES, Grade, Miss, told, worse_than
+from gen.coefficients.provenance import ErrorBand
+from gen.identification.grades import FAIR_K, GOOD_K, NOISES, Grade, Miss, told, worse_than
 from gen.identification.network.identify import NetworkFound
 from gen.identification.network.left_out import FEW, each_alone
 from gen.identification.network.telling.coarse import coarse
+from gen.identification.network.telling.declared import error_bands
 from gen.identification.network.telling.document import measured_range, rest_was_measured, turned_range
 from gen.identification.network.telling.held import only_speeds
 from gen.identification.network.telling.resting import REST_S, rested
@@ -69,6 +71,18 @@ class Summary:
     def left_out_K(self) -> FloatArray:
         """Root mean square error on what was left out, by part, shape (S,), K."""
         return np.asarray(np.sqrt(np.nanmean(self.result.judged.by_fold, axis=0)))
+
+    @cached_property
+    def later_K(self) -> FloatArray | None:
+        """What the second half of the only run is missed by from a fit to its first, by part, shape (S,), K."""
+        later = self.result.later
+        return None if later is None else np.asarray(np.sqrt(later.by_fold[0]))
+
+    @cached_property
+    def declared(self) -> ErrorBand:
+        """Where the file declares most."""
+        bands = error_bands(self.result, self.spread, turned_range(self.result))
+        return max(bands, key=lambda band: max(map(abs, band.model_minus_measured_K)))
 
     @property
     def moved_K(self) -> FloatArray:
@@ -134,11 +148,18 @@ class Summary:
             on = self._on(fair)
             return f"Fair{only}{f'. {_begun(on)}' if only else f': {on}'} it misses {told(fair)}."
         if only:
-            return f"Good{only}. {_begun(self._data)} are predicted to {worst:.2g} K."
+            return f"Good{only}. {_begun(self._data)} are predicted to {worst:.2g} K{self._later()}."
         return (
             f"Good: {'stretches' if self.few else 'runs'} that took no part in the fit are predicted, at rest and at "
-            f"the measured speeds, to {worst:.2g} K (root mean square of the worst part)."
+            f"the measured speeds, to {worst:.2g} K (root mean square of the worst part){self._later()}."
         )
+
+    def _later(self) -> str:
+        """What is foretold of the only run, beside stretches that lie between what the fit knows."""
+        later = self.later_K
+        if later is None or not np.isfinite(later).any():
+            return ""
+        return f", the second half of the run from its first alone to {float(np.nanmax(later)):.2g} K"
 
     @property
     def few(self) -> bool:
@@ -205,6 +226,7 @@ class Summary:
                 "all of it is one run: what was left out are stretches of it, which say nothing of another room, start "
                 "or day; a second run, of another profile, would"
             )
+        said += self._declared()
         said += self._starts()
         said += self._room()
         for s, name in enumerate(result.data.names):
@@ -213,6 +235,19 @@ class Summary:
             if abs(offset) > OFFSET_SURE * sd:
                 said.append(f"{name}: its sensor reads {offset:+.2f} K against the ambient's (±{INTERVAL * sd:.2f} K)")
         return said
+
+    def _declared(self) -> list[str]:
+        """An error that the file declares and that no model would be called fair with."""
+        band = self.declared
+        most = max(map(abs, band.model_minus_measured_K))
+        if most <= FAIR_K:
+            return []
+        low, high = band.pwm
+        at = f"PWM {low}" if low == high else f"PWM {low} to {high}"
+        return [
+            f"the file declares errors of up to {most:.0f} K ({band.component}, {at}): so much the runs leave open on "
+            "other profiles, and no rule of alarms that counts from it hears less"
+        ]
 
     def _starts(self) -> list[str]:
         """Runs that the file misses, and the network would not miss if it knew how warm they begin inside."""
