@@ -138,6 +138,10 @@ def _change(offset: Callable[[int], int], before: int, after: int) -> int:
     return after
 
 
+_RING_STEPS = 3.0
+"""Usual intervals by which the last row of a ring comes before its first one."""
+
+
 def told_reset(time_s: FloatArray, row: int, *, local: bool, single: bool) -> str:
     """Say why a clock that begins anew at a row may do so, and what helps."""
     if local and single and goes_back(time_s, row, 1.0):
@@ -150,4 +154,9 @@ def told_reset(time_s: FloatArray, row: int, *, local: bool, single: bool) -> st
         if local and goes_back(time_s, row, hours):
             return f"{said}, or --split, which makes a run of each stretch and leaves when the later ones began wrong"
     begun = f"{time_s[row]:g} s after {time_s[row - 1]:g} s"
+    if single and 0.0 < time_s[0] - time_s[-1] <= _RING_STEPS * float(np.median(np.diff(time_s))):
+        return (
+            f"rows go on before the first one: {begun}, as in a ring that was read from its middle; expected --sort, "
+            "which puts rows in the order of their times, or --split, which makes a run of each stretch"
+        )
     return f"the clock begins anew: {begun}; expected --split, which makes a run of each stretch"

@@ -10,7 +10,7 @@ import pytest
 
 from gen.errors import InputError
 from gen.runs import Run, read_run
-from tests.importing.logs import take, taken, write
+from tests.importing.logs import TRUE, csv, take, taken, write
 
 BERLIN = "Europe/Berlin"
 
@@ -151,3 +151,13 @@ def test_dates_that_go_back_by_half_a_day_or_a_day_are_told_as_that(
 ) -> None:
     with pytest.raises(InputError, match=f"line 22: .*{said}.*--split"):
         take(log(tmp_path, local(begin, 30, 200, form)), tmp_path / "runs")
+
+
+def test_a_ring_that_was_read_from_its_middle_is_put_in_order(tmp_path: Path) -> None:
+    """A controller's data log, of which the oldest rows were written over."""
+    at = np.datetime64("2026-05-03T00:00:00") + (10_000 * np.arange(len(TRUE))).astype("timedelta64[ms]")
+    frame = TRUE.assign(time_s=at).rename(columns={"time_s": "time"})
+    log = write(tmp_path, csv(pd.concat([frame[70:], frame[:70]])))
+    with pytest.raises(InputError, match=r"as in a ring that was read from its middle; expected --sort, "):
+        taken(log, tmp_path / "out")
+    np.testing.assert_array_equal(taken(log, tmp_path / "out", sort=True).temps["winding"], TRUE["winding_degC"])

@@ -43,6 +43,13 @@ def test_numbered_channels_below_keys_are_no_columns(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.temps["winding"], TRUE.winding_degC)
 
 
+def test_times_beside_the_object_that_holds_the_other_arrays(tmp_path: Path) -> None:
+    """As a coffee machine's site has them; an array of another length says nothing of the rows."""
+    data = {name: TRUE[name].tolist() for name in TRUE if name != "time_s"}
+    tree = {"id": "a", "timeframe": [f"{t:.3f}" for t in TRUE.time_s], "tags": ["x", "y"], "data": data}
+    same(taken(write(tmp_path, json.dumps(tree), name="log.json"), tmp_path / "out"), TRUE)
+
+
 def test_an_array_in_one_line_that_ends_early_is_told_so(tmp_path: Path) -> None:
     text = json.dumps(TRUE.to_dict("records"))
     cut = text[: text.index('"time_s": 30.0') + 20]

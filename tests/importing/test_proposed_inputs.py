@@ -57,6 +57,16 @@ def test_what_an_inverter_is_told_is_proposed(name: str, scale: str, tmp_path: P
     assert run.pwm.max() == round(255 * (1.0 if scale else 0.5))
 
 
+def test_a_speed_controllers_pulses_are_proposed_with_their_rest(tmp_path: Path) -> None:
+    """As a thrust stand's log has them, beside servos that stay where they are."""
+    columns = {"ESC signal (µs)": 1000.0 + 700.0 * DRIVEN, "Servo 1 (µs)": 1500.0 + 0.0 * DRIVEN}
+    path = log(tmp_path, columns)
+    said = asked(path, tmp_path)
+    assert said.endswith("such as --input 'ESC signal (µs)' --rest 1000 --full-scale 2000")
+    run = read_run(take(path, tmp_path / "run", input="ESC signal (µs)", rest=1000.0, full_scale=2000.0).runs[0])
+    assert set(run.pwm.tolist()) == {36, 179}  # 0.2 and 1 of 700 us over the rest
+
+
 @pytest.mark.parametrize(
     ("name", "values"),
     [

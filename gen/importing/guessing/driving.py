@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from gen.importing.guessing import names
 from gen.importing.guessing.evidence import Facts
-from gen.importing.guessing.input_scale import worded
+from gen.importing.guessing.input_scale import pulse, worded
 from gen.importing.units import SHARE
 
 _SAYS_TEMPERATURE = re.compile(r"(?i)temp(?!o)|th?ermo|°")
@@ -63,7 +63,7 @@ def _may_drive(entry: Facts) -> bool:
     unit = entry.named[1]
     if unit is not None and unit.quantity == SHARE and not names.STORED.search(f"{entry.name} {worded(entry)}"):
         return True
-    if unit is not None and unit.target == "W":
+    if (unit is not None and unit.target == "W") or _is_pulse(entry):
         return True
     return bool(names.DRIVES.search(worded(entry))) or _is_frequency(entry)
 
@@ -75,8 +75,16 @@ def _is_frequency(entry: Facts) -> bool:
     return low != high and bool(names.FREQUENCY.search(text)) and not names.NO_INVERTER.search(text)
 
 
+def _is_pulse(entry: Facts) -> bool:
+    """Whether it is how long a servo's or a speed controller's pulses are, in us."""
+    unit = entry.named[1]
+    return unit is not None and unit.name == "us" and entry.span[0] != entry.span[1] and bool(pulse(entry))
+
+
 def _kind(entry: Facts) -> tuple[int, str]:
     text, unit = worded(entry), entry.named[1]
+    if _is_pulse(entry):
+        return _TOLD, "pulses: what the motor is told"
     if names.CURRENT_OF.search(text) or (unit is not None and unit.target == "A"):
         return _HEATS, "a current: what heats it; beside another input, --heat of gen identify takes it"
     if names.HEATS.search(text) or (unit is not None and unit.target == "W"):

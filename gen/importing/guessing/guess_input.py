@@ -175,12 +175,18 @@ def _full_scale(entry: Facts) -> str:
 def _is_guessed(entry: Facts) -> bool:
     """Whether a full scale is proposed that the column neither says nor, as a converter's, holds."""
     plain = _plain(entry)
-    return bool(_full_scale(plain)) and _round_up(plain) not in OF_CONVERTERS
+    return bool(_full_scale(plain)) and _round_up(plain) not in OF_CONVERTERS | {_LONGEST_US}
+
+
+_LONGEST_US = 2000.0
+"""A pulse that says all, us."""
 
 
 def _round_up(entry: Facts) -> float:
     low, high = entry.span
     reached = max(abs(low), abs(high), 1e-9)
+    if pulse(entry) and reached <= _LONGEST_US:
+        return _LONGEST_US
     if entry.whole and reached in OF_CONVERTERS:
         return reached
     power = 10.0 ** np.floor(np.log10(reached))

@@ -21,7 +21,7 @@ def _words(text: str) -> re.Pattern[str]:
 
 
 TIME = re.compile(
-    rf"t|ts|s|[uµμ]s|ns|sek|x_value|tout|m?jd|{languages.TIME}|"
+    rf"t|ts|s|[uµμ]s|ns|sek|x_value|tout|stats|timeframe|m?jd|{languages.TIME}|"
     r"(?:.*[^a-z])?(?:time|times|zeit|uhrzeit|timestamp|zeitstempel|datum|date|datetime|elapsed|epoch|unix|gps|ntp|clock|"
     r"millis|micros|seconds?|secs?|ms|minutes?|minuten|hours?|stunden|sekunden)(?:[^a-z].*)?|.*time|.*zeit",
 )

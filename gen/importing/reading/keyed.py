@@ -218,8 +218,19 @@ def _within(tree: object, path: str = "$") -> Iterator[tuple[str, list[dict[str,
         if records:
             yield path, records
             return
+        beside = {key: value for key, value in tree.items() if isinstance(value, list) and _plain(value)}
         for key, value in tree.items():
-            yield from _within(value, f"{path}.{key}")
+            for at, found in _within(value, f"{path}.{key}"):
+                yield at, _with_arrays(found, beside)
+
+
+def _with_arrays(records: list[dict[str, object]], beside: Mapping[str, list[object]]) -> list[dict[str, object]]:
+    """Records with what arrays of as many values beside their table say of each: its times."""
+    whole = {key: values for key, values in beside.items() if len(values) == len(records) > 1}
+    if not whole:
+        return records
+    rows = zip(*whole.values(), strict=True)
+    return [{**dict(zip(whole, row, strict=True)), **own} for row, own in zip(rows, records, strict=True)]
 
 
 def _of_columns(tree: Mapping[str, object]) -> list[dict[str, object]]:

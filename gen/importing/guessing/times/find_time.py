@@ -21,7 +21,8 @@ FORMS = "times such as 2026-04-03T23:30:00, 3.4.2026 23:30, 3 Apr 2026 23:30:00,
 EITHER = 0.5
 """How sure one of two columns is the time."""
 _PLAIN = {"t", "ts", "s", "time", "times", "zeit", "timestamp", "zeitstempel", "elapsed", "seconds", "millis", "ms"}
-"""Names of a time that need nothing beside them."""
+_PLAIN |= {"stats"}
+"""Names of a time that need nothing beside them; the last is what Klipper counts its lines by."""
 _RATIOS = tuple(x for r in (1.0, 60.0, 3600.0, 1e3, 1e6, 1e9) for x in (r, 1.0 / r))
 _SAME_LENGTH = 0.05
 _EVEN = 0.8
