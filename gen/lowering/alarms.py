@@ -42,6 +42,7 @@ _START_STEP_S = 30.0
 _START_LEVELS = 9
 _START_TIMES = 12
 _START_BLOCK = 32
+_MOST_HULL, _FEW_CASES = 4, 1000
 #: Largest sum that a CUSUM may need, in thousandths of a kelvin times samples: far from the 32 bits' end.
 MOST_SUM = 2**30
 
@@ -195,7 +196,24 @@ def start_wait(model: ThermalModel, name: str, counts: range) -> int:
         (matrices, _), (inside, _) = component.state_matrices(levels), component.state_matrices(inner)
         errors = _slopes(component, levels, matrices)
     later = np.concatenate([np.hstack(list(_responses(matrix) @ errors)) for matrix in matrices], axis=1)
-    return max(_fading_time(matrix, times * later, model, read) for matrix in inside)
+    outermost = _outermost(times * later)
+    return max(_fading_time(matrix, outermost, model, read) for matrix in inside)
+
+
+def _outermost(errors: FloatArray) -> FloatArray:
+    """Those of errors, shape (n, cases), that decide any linear bound: corners of the hull of all of them.
+
+    What is read after any time is linear in the error, so that the largest of all cases is that of a corner. In many
+    dimensions a hull costs more than it saves.
+    """
+    if not 1 < errors.shape[0] <= _MOST_HULL or errors.shape[1] <= _FEW_CASES:
+        return errors
+    from scipy.spatial import ConvexHull, QhullError  # not worth loading for what no rule asks
+
+    try:
+        return np.asarray(errors[:, ConvexHull(errors.T).vertices])
+    except QhullError:  # all in one plane
+        return errors
 
 
 def _slopes(component: Component, levels: IntArray, matrices: FloatArray) -> FloatArray:
@@ -234,7 +252,7 @@ def _responses(matrix: FloatArray) -> FloatArray:
     """Transition matrices over times that span the way to rest, shape (times, n, n)."""
     slowest = 1.0 / np.abs(np.linalg.eigvals(matrix).real).min()
     times = np.concatenate([[0.0], np.geomspace(slowest / 100.0, slowest * 3.0, _START_TIMES)])
-    return np.array([expm(matrix * time) for time in times])
+    return np.asarray(expm(matrix * times[:, None, None]))
 
 
 def _fading_time(matrix: FloatArray, errors: FloatArray, model: ThermalModel, read: int) -> int:

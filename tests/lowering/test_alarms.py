@@ -11,7 +11,7 @@ import pytest
 
 from gen.coefficients import Coefficients, parse
 from gen.errors import InputError
-from gen.lowering.alarms import START_MARGIN_K, Segment, lower_alarms, start_wait
+from gen.lowering.alarms import START_MARGIN_K, Segment, _outermost, lower_alarms, start_wait
 from gen.model.exact import ExactSolution
 from gen.model.network_parts import Sensor
 from gen.model.network_solution import NetworkSolution
@@ -183,3 +183,18 @@ def test_a_relative_rule_waits_for_the_slower_part_of_the_two() -> None:
     for component, other in (("housing", "winding"), ("winding", "housing")):
         (rule,) = lower_alarms(changed(component=component, relative_to=other))
         assert rule.start_wait == max(waits.values())
+
+
+@pytest.mark.parametrize("dimensions", [2, 3, 4])
+def test_the_outermost_of_many_starts_decide_whatever_is_read_later(dimensions: int) -> None:
+    rng = np.random.default_rng(dimensions)
+    errors = rng.standard_normal((dimensions, 5000)) * np.linspace(0.1, 3.0, dimensions)[:, None]
+    few = _outermost(errors)
+    assert few.shape[1] < 0.2 * errors.shape[1]
+    for read in rng.standard_normal((200, dimensions)):
+        assert np.abs(read @ few).max() == pytest.approx(np.abs(read @ errors).max(), rel=1e-12)
+
+
+def test_starts_that_lie_in_one_plane_are_all_kept() -> None:
+    errors = np.vstack([np.random.default_rng(1).standard_normal((2, 2000)), np.zeros(2000)])
+    assert _outermost(errors).shape == errors.shape
