@@ -14,6 +14,7 @@ from gen.identification.network.identify import NetworkFound, identify_network
 from gen.identification.network.telling.declared import error_bands
 from gen.identification.network.telling.document import turned_range
 from gen.identification.network.telling.summary import Summary
+from gen.identification.network.telling.text import text
 from tests.identification.network.plant import TWO, holds
 
 MIXED = (holds((200, 120), (0, 120)), holds((120, 120), (200, 120)), holds((250, 120), (120, 120)))
@@ -158,3 +159,11 @@ def test_what_the_runs_leave_open_on_other_profiles_is_said() -> None:
     )
     assert most > 5.0
     assert any(f"the file declares errors of up to {most:.0f} K (" in warning for warning in short.warnings())
+
+
+def test_a_fan_that_was_logged_and_not_used_is_said_with_what_tells_whether_it_cools() -> None:
+    run = TWO.run(holds((200, 60), (0, 60)), np.random.default_rng(1), noise=0.05)
+    on = (run.time_s % 600.0 < 300.0).astype(np.float64)
+    run = replace(run, extras={**run.extras, "Fan": on, "fanfare": on, "cooling_pump": 0.0 * on})
+    found = identify_network(make_network_data([Source("run.csv", run)], None), lambda _: None, 0)
+    assert "not used: Fan; whether that cools the motor, gen refine with these runs tells" in text(Summary(found))

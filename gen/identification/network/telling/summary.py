@@ -132,7 +132,7 @@ class Summary:
     @property
     def good_to_K(self) -> float | None:
         """Error of the worst part on data that took no part in the fit, K; None unless all parts are good there."""
-        return None if worse_than(Grade.GOOD, self.left_out) else max(miss.error_K for miss in self.left_out)
+        return None if worse_than(Grade.GOOD, self.left_out) else float(np.nanmax(self.left_out_K))
 
     @property
     def verdict(self) -> str:
@@ -140,7 +140,7 @@ class Summary:
         bad, fair = (worse_than(grade, self.left_out) for grade in (Grade.FAIR, Grade.GOOD))
         if bad:
             return f"Not good yet: {self._on(bad)} it misses {told(bad)}."
-        only, worst = self._only(), max(miss.error_K for miss in self.left_out)
+        only, worst = self._only(), float(np.nanmax(self.left_out_K))
         # What is left out there is a whole speed, which tells of what lies between speeds and not of these.
         if fair and each_alone(self.result.inputs) and not worse_than(Grade.GOOD, self.own):
             return f"Good at the measured speeds{only}. Speeds that were left out it misses: {told(fair)}."

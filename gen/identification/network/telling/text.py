@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,6 +17,10 @@ from gen.identification.network.telling.summary import INTERVAL, Summary
 
 HEATING = ("_A", "_W", "_Nm", "_percent")
 """Ends of the names of columns that may heat a motor."""
+COOLING = re.compile(
+    r"(?i)(?:^|[^a-z])(?:fans?|blower|cool(?:er|ing)|pump|l(?:ü|ue)fter|ventilat\w*|ventola)(?:[^a-z]|$)"
+)
+"""Names of columns that may cool it."""
 BENDING = "bend by more than sums of powers do, as the runs ask for or as they do not exclude"
 POWERS = "are sums of powers: the runs ask for none that bends more"
 
@@ -66,9 +71,19 @@ def _not_used(summary: Summary) -> list[str]:
         for column in sorted(common)
         if column.endswith(HEATING) and any(_moves(source.run.extras[column]) for source in sources)
     ]
-    if not moving:
-        return []
-    return [f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"]
+    cooling = [
+        column
+        for column in sorted(common - set(moving))
+        if COOLING.search(column) and any(_moves(source.run.extras[column]) for source in sources)
+    ]
+    said = []
+    if moving:
+        said.append(
+            f"not used: {', '.join(moving)}; what else heats the motor, and the board can measure, tell with --heat"
+        )
+    if cooling:
+        said.append(f"not used: {', '.join(cooling)}; whether that cools the motor, gen refine with these runs tells")
+    return said
 
 
 def _moves(values: FloatArray) -> bool:
