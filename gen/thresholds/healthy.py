@@ -9,6 +9,7 @@ import numpy as np
 
 from gen.arrays import BoolArray, FloatArray, IntArray
 from gen.coefficients import Coefficients
+from gen.errors import InputError
 from gen.lowering.alarms import COLD_mK, start_wait
 from gen.lowering.heat import block_samples
 from gen.reference.heat_blocks import Blocks, blocks_of
@@ -69,9 +70,12 @@ def compare(coefficients: Coefficients, run: Run, name: str) -> HealthyRun:
     Raises
     ------
     InputError
-        If no ambient is known.
+        If no ambient is known, or no part of the model was measured.
     """
     model = coefficients.model
+    if not any(np.isfinite(run.temps[part]).any() for part in model.component_names if part in run.temps):
+        expected = ", ".join(f"{part}_degC" for part in model.component_names)
+        raise InputError(f"no component's temperature was measured; expected {expected}", file=name)
     shown = simulate_run(coefficients, run, "exact", "auto", name)
     magnitude = np.abs(run.pwm)
     since = _since_change(run.time_s, magnitude)

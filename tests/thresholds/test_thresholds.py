@@ -185,6 +185,18 @@ def test_bad_rules_are_refused_and_nothing_is_written(
     assert not out.exists()
 
 
+def test_a_run_of_another_machine_is_named_and_not_the_rules(tmp_path: Path, healthy: list[str]) -> None:
+    (tmp_path / "base.json").write_text(json.dumps(BASE))
+    (tmp_path / "rules.json").write_text(json.dumps({"alarms": [ABOVE]}))
+    other = tmp_path / "other.csv"
+    other.write_text(Path(healthy[0]).read_text().replace("a_degC", "winding_degC").replace("b_degC", "casing_degC"))
+    files = [str(tmp_path / "base.json"), str(other), "--rules", str(tmp_path / "rules.json")]
+    done = CliRunner().invoke(cli, ["thresholds", *files, "--out", str(tmp_path / "made.json")])
+    assert isinstance(done.exception, InputError)
+    assert done.exception.message.startswith("no component's temperature was measured; expected a_degC")
+    assert done.exception.file == str(other)
+
+
 def test_a_sum_s_threshold_is_the_margin_for_half_an_hour(tmp_path: Path, healthy: list[str]) -> None:
     rule = {"name": "slow", "kind": "cusum", "component": "a", "speed_percent": [20, 98], "settle_s": 600}
     (made,) = derive(tmp_path, healthy, rule).document.alarms
